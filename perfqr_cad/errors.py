@@ -1,0 +1,47 @@
+"""The exception tree.
+
+Every error this package raises on purpose is a `PerfQRError`. Its message is one line that states the
+value, the limit and the remedy; the command line prints it and exits 2.
+
+    PerfQRError
+    ├── SymbolError      text that does not fit, a matrix damaged beyond its capacity
+    ├── CaptureError     a file that is no picture, a picture without a code
+    ├── DesignError      a size, web, style or setting that cannot be made
+    ├── KernelError      the solid modeller could not build, read or write a shape
+    ├── AnalysisError    a strength model that has no answer
+    └── TemplateError    a template, parameter or parameter set that cannot be used
+"""
+
+
+class PerfQRError(Exception):
+    """Base of all errors of this package.
+
+    Remedies, by subclass: shorten the text or raise the version (`SymbolError`); take a sharper,
+    straighter or larger picture (`CaptureError`); enlarge `--size` or use a finer nozzle
+    (`DesignError`); change the wall thickness, draft or placement (`KernelError`); support the part
+    or give it a thickness (`AnalysisError`); check the parameter's name and range (`TemplateError`).
+    """
+
+
+class SymbolError(PerfQRError):
+    """The text, level and version do not make a symbol, or a matrix cannot be corrected."""
+
+
+class CaptureError(PerfQRError):
+    """A picture could not be opened, or no QR code could be found in it."""
+
+
+class DesignError(PerfQRError):
+    """The settings do not make a part that can be manufactured or read."""
+
+
+class KernelError(PerfQRError):
+    """A solid could not be built, checked, read or written."""
+
+
+class AnalysisError(PerfQRError):
+    """The strength of a part could not be computed."""
+
+
+class TemplateError(PerfQRError):
+    """A template or its parameters are missing, malformed or out of range."""

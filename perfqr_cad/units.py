@@ -1,0 +1,20 @@
+"""Unit conversions. Inside the package: mm, N, MPa, degrees, seconds; only the edges convert."""
+
+MM_PER_INCH = 25.4  # ISO 80000-3: exact
+PA_PER_MPA = 1.0e6
+MM3_PER_CM3 = 1.0e3
+
+
+def mpa_from_pa(pressure_pa: float) -> float:
+    """Pressure in MPa (N/mm²) from pascal: the paper's 5 Pa is 5e-6 MPa."""
+    return pressure_pa / PA_PER_MPA
+
+
+def mm_from_inch(length_inch: float) -> float:
+    """Length in mm from inches."""
+    return length_inch * MM_PER_INCH
+
+
+def grams(volume_mm3: float, density_kg_m3: float) -> float:
+    """Mass in g of a volume in mm³ at a density in kg/m³."""
+    return volume_mm3 / MM3_PER_CM3 * density_kg_m3 / 1000.0
