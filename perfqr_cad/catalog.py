@@ -37,6 +37,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from perfqr_cad.errors import TemplateError
+from perfqr_cad.table import Table
 
 Value = bool | int | float | str | tuple[float, ...] | None
 
@@ -237,6 +238,39 @@ def read_parameter_set(path: Path, name: str) -> dict[str, Value]:
         known = ", ".join(sets) if isinstance(sets, dict) else "none"
         raise TemplateError(f"{path.name} has no parameter set {name!r}: it has {known}")
     return {key: read_value(v) if isinstance(v, str) else v for key, v in sets[name].items()}
+
+
+def merge(*layers: Mapping[str, Value]) -> dict[str, Value]:
+    """Overrides in order of precedence, the last one first to be believed."""
+    return {name: value for layer in layers for name, value in layer.items()}
+
+
+def describe(template: Template) -> dict[str, Any]:
+    """A template and its parameters as plain JSON values."""
+    return {
+        "name": template.name,
+        "description": template.description,
+        "parameters": [
+            {
+                "name": p.name,
+                "default": p.default,
+                "description": p.description,
+                "group": p.group,
+                "minimum": p.minimum,
+                "step": p.step,
+                "maximum": p.maximum,
+                "choices": [{"value": value, "label": label} for value, label in p.choices],
+                "max_length": p.max_length,
+            }
+            for p in template.parameters
+        ],
+    }
+
+
+def listing(template: Template) -> Table:
+    """A template's parameters as a table for people."""
+    rows = [(p.group, p.name, str(p.default), p.limits, p.description) for p in template.parameters]
+    return Table(template.name, ("group", "name", "default", "limits", "meaning"), tuple(rows))
 
 
 # --- reading customizer comments -----------------------------------------------------------------

@@ -1,1 +1,5 @@
+"""Benchmarks, one module a layer."""
 
+from perfqr_cad.table import Table
+
+__all__ = ["Table"]

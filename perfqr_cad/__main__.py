@@ -1,0 +1,5 @@
+"""`python -m perfqr_cad` is the command `perfqr`."""
+
+from perfqr_cad.cli import main
+
+main()
