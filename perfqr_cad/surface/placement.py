@@ -1,0 +1,220 @@
+"""Where a pattern lies: a map from the pattern plane onto the reader's side of a wall of material.
+
+Pattern coordinates (u, v) are mm, origin at the centre of the code, u right and v up as the reader sees it.
+A placement never mirrors: ∂p/∂u × ∂p/∂v points towards the reader.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from perfqr_cad.errors import DesignError
+
+Array = NDArray[np.float64]
+
+# Central differences on lengths in mm: the truncation (h²) and rounding (1e-16 / h) errors meet near here.
+STEP_MM = 1e-4
+# The distortion is sampled on this many points a side, edges and corners of the code included.
+SAMPLES = 33
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """A closed triangle mesh, oriented outward: vertices (k, 3) in mm, faces (m, 3) of vertex indices."""
+
+    vertices: Array
+    faces: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        vertices = np.array(self.vertices, dtype=np.float64).reshape(-1, 3)
+        faces = np.array(self.faces, dtype=np.int64).reshape(-1, 3)
+        vertices.setflags(write=False)
+        faces.setflags(write=False)
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", faces)
+
+    @property
+    def volume_mm3(self) -> float:
+        """Enclosed volume by the divergence theorem, positive when oriented outward."""
+        corners = self.vertices[self.faces] - self.vertices.mean(axis=0)
+        return float(np.einsum("ij,ij->", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6)
+
+    @property
+    def closed(self) -> bool:
+        """Whether every edge is used exactly once in each direction."""
+        edges = self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+        key = edges[:, 0] * len(self.vertices) + edges[:, 1]
+        opposite = edges[:, 1] * len(self.vertices) + edges[:, 0]
+        unique = np.unique(key)
+        return len(unique) == len(key) and np.array_equal(unique, np.unique(opposite))
+
+    def joined(self, *others: Triangles) -> Triangles:
+        """This mesh and others as one list of triangles; the bodies stay apart."""
+        meshes = (self, *others)
+        offsets = np.cumsum([0, *(len(m.vertices) for m in meshes[:-1])])
+        return Triangles(
+            np.vstack([m.vertices for m in meshes]),
+            np.vstack([m.faces + o for m, o in zip(meshes, offsets, strict=True)]),
+        )
+
+
+@dataclass(frozen=True)
+class DistortionLimit:
+    """How far a surface may bend a code.
+
+    area       |true area of a module / nominal − 1|. Decoders fit one grid to the whole code (ISO/IEC 18004 §12
+               takes the module size from the finders), so a module may not stray by half its pitch over the code.
+    shear_deg  departure of a module's corners from a right angle.
+    tilt_deg   angle between the surface and the surface at the code's centre: a flat print is read at up to
+               50°, not beyond (measured on eight codes of version 8).
+    """
+
+    area: float = 0.25
+    shear_deg: float = 15.0
+    tilt_deg: float = 50.0
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """What a placement does to the modules of a code: worst and mean over the code's square."""
+
+    area_worst: float
+    area_mean: float
+    shear_worst_deg: float
+    shear_mean_deg: float
+    tilt_worst_deg: float
+
+    def within(self, limit: DistortionLimit) -> bool:
+        """Whether every figure keeps the limit."""
+        return (
+            self.area_worst <= limit.area
+            and self.shear_worst_deg <= limit.shear_deg
+            and self.tilt_worst_deg <= limit.tilt_deg
+        )
+
+
+class Placement(ABC):
+    """A wall of material and the map of the pattern plane onto its front (reader's) side."""
+
+    thickness_mm: float
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether the front is a plane and the map an isometry of it."""
+        return False
+
+    @abstractmethod
+    def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
+        """Points (k, 3) that lie `depth_mm` behind the front at (k, 2) pattern points; the depth may vary."""
+
+    @abstractmethod
+    def normal(self, uv: ArrayLike) -> Array:
+        """Unit normals (k, 3) of the front surface, towards the reader."""
+
+    @abstractmethod
+    def reach_mm(self) -> float:
+        """Half the edge of the largest square about the centre that the map covers; may be infinite."""
+
+    def point(self, uv: ArrayLike) -> Array:
+        """Points (k, 3) of the front surface."""
+        return self.at_depth(uv, 0.0)
+
+    def frame(self, uv: ArrayLike) -> Array:
+        """Orthonormal frames (k, 3, 3) of the front surface, rows e1, e2, n; e1 follows ∂p/∂u."""
+        at = pairs(uv)
+        normal = self.normal(at)
+        along_u, _ = self._tangents(at)
+        along_u -= np.einsum("ki,ki->k", along_u, normal)[:, None] * normal
+        along_u /= np.linalg.norm(along_u, axis=1)[:, None]
+        return np.stack([along_u, np.cross(normal, along_u), normal], axis=1)
+
+    def volume_density(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
+        """Material volume per pattern area and depth, (k,): the Jacobian of `at_depth`."""
+        at = pairs(uv)
+        depth = np.broadcast_to(np.asarray(depth_mm, dtype=np.float64), len(at))
+        along_u, along_v = self._tangents(at, depth)
+        down = (self.at_depth(at, depth + STEP_MM) - self.at_depth(at, depth - STEP_MM)) / (2 * STEP_MM)
+        return -np.einsum("ki,ki->k", np.cross(along_u, along_v), down)
+
+    def distortion(self, size_mm: float) -> Distortion:
+        """What happens to the modules of a code of this edge. Raises `DesignError` when it does not fit at all."""
+        half = size_mm / 2
+        if half > self.reach_mm():
+            raise DesignError(
+                f"a code of {size_mm:.4g} mm does not fit this surface: at most {2 * self.reach_mm():.4g} mm does"
+            )
+        line = np.linspace(-half, half, SAMPLES)
+        grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+        along_u, along_v = self._tangents(grid)
+        lengths = np.linalg.norm(along_u, axis=1) * np.linalg.norm(along_v, axis=1)
+        area = np.abs(np.linalg.norm(np.cross(along_u, along_v), axis=1) - 1)
+        sine = np.einsum("ki,ki->k", along_u, along_v) / lengths
+        shear = np.degrees(np.abs(np.arcsin(np.clip(sine, -1, 1))))
+        tilt = np.degrees(np.arccos(np.clip(self.normal(grid) @ self.normal((0.0, 0.0))[0], -1, 1)))
+        return Distortion(*(float(x) for x in (area.max(), area.mean(), shear.max(), shear.mean(), tilt.max())))
+
+    def largest_size_mm(self, limit: DistortionLimit | None = None) -> float:
+        """Edge of the largest code that keeps the limit, to 0.1 % and never above; may be infinite."""
+        limit = limit or DistortionLimit()
+        high = 2 * self.reach_mm()
+        if math.isinf(high):
+            if self.is_flat:
+                return high
+            raise ValueError("a curved surface has a finite reach")
+        if self.distortion(high).within(limit):
+            return high
+        low = 0.0
+        while high - low > 1e-3 * high:
+            middle = (low + high) / 2
+            low, high = (middle, high) if self.distortion(middle).within(limit) else (low, middle)
+        return low
+
+    def check(self, size_mm: float, limit: DistortionLimit | None = None) -> Distortion:
+        """The distortion of a code of this edge. Raises `DesignError`, naming the largest size that works."""
+        limit = limit or DistortionLimit()
+        found = self.distortion(size_mm)
+        if not found.within(limit):
+            raise DesignError(
+                f"a code of {size_mm:.4g} mm is bent too much by this surface: module area off by "
+                f"{found.area_worst:.0%} (limit {limit.area:.0%}), shear {found.shear_worst_deg:.0f}° "
+                f"({limit.shear_deg:.0f}°), tilt {found.tilt_worst_deg:.0f}° ({limit.tilt_deg:.0f}°); "
+                f"at most {_floored(self.largest_size_mm(limit)):.4g} mm stays within"
+            )
+        return found
+
+    def _tangents(self, at: Array, depth_mm: ArrayLike = 0.0) -> tuple[Array, Array]:
+        """∂p/∂u and ∂p/∂v by central differences, each (k, 3)."""
+        steps = (np.array([STEP_MM, 0.0]), np.array([0.0, STEP_MM]))
+        along = [(self.at_depth(at + s, depth_mm) - self.at_depth(at - s, depth_mm)) / (2 * STEP_MM) for s in steps]
+        return along[0], along[1]
+
+
+def pairs(uv: ArrayLike) -> Array:
+    """Pattern points as (k, 2)."""
+    return np.asarray(uv, dtype=np.float64).reshape(-1, 2)
+
+
+def positive(name: str, value: float) -> float:
+    """The value, when it is a finite length above zero; `DesignError` otherwise."""
+    if not (math.isfinite(value) and value > 0):
+        raise DesignError(f"{name}={value:g} is not a length above 0 mm")
+    return value
+
+
+def thinner(name: str, thickness_mm: float, radius_mm: float) -> None:
+    """Raises `DesignError` when a wall reaches the axis or centre it is bent about."""
+    if thickness_mm >= radius_mm:
+        raise DesignError(
+            f"a wall of {thickness_mm:g} mm does not fit in a {name} of radius {radius_mm:g} mm: "
+            f"take a thickness below {radius_mm:g} mm or a larger radius"
+        )
+
+
+def _floored(size_mm: float) -> float:
+    """Rounded down to 0.01 mm, so that the size named in a remedy works."""
+    return math.floor(size_mm * 100) / 100

@@ -1,0 +1,36 @@
+"""A flat plate: back face z = 0, front (reader's) face z = thickness."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .placement import Array, Placement, pairs, positive
+
+
+@dataclass(frozen=True)
+class Plane(Placement):
+    """The plate of the pattern plane itself; the reader looks along −z."""
+
+    thickness_mm: float
+
+    def __post_init__(self) -> None:
+        positive("thickness_mm", self.thickness_mm)
+
+    @property
+    def is_flat(self) -> bool:
+        return True
+
+    def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
+        at = pairs(uv)
+        height = np.broadcast_to(self.thickness_mm - np.asarray(depth_mm, dtype=np.float64), len(at))
+        return np.column_stack([at, height])
+
+    def normal(self, uv: ArrayLike) -> Array:
+        return np.tile([0.0, 0.0, 1.0], (len(pairs(uv)), 1))
+
+    def reach_mm(self) -> float:
+        return math.inf
