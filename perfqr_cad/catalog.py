@@ -85,7 +85,9 @@ class Parameter:
         if self.choices and value not in [v for v, _ in self.choices]:
             raise TemplateError(f"{self.name}={value!r} is not one of {self.limits}")
         if self.max_length is not None and isinstance(value, str) and len(value) > self.max_length:
-            raise TemplateError(f"{self.name} has {len(value)} characters, limit {self.max_length}: shorten it")
+            raise TemplateError(
+                f"{self.name} has {len(value)} characters, limit {self.max_length}: shorten it"
+            )
         for number in value if isinstance(value, tuple) else (value,):
             self._check_range(number)
         return value
@@ -94,7 +96,9 @@ class Parameter:
         if isinstance(number, bool) or not isinstance(number, int | float):
             return
         if number != number or number in (float("inf"), float("-inf")):
-            raise TemplateError(f"{self.name}={number} is not a finite number: give a value of {self.limits or 'mm'}")
+            raise TemplateError(
+                f"{self.name}={number} is not a finite number: give a value of {self.limits or 'mm'}"
+            )
         below = self.minimum is not None and number < self.minimum
         above = self.maximum is not None and number > self.maximum
         if below or above:
@@ -233,7 +237,9 @@ def read_parameter_set(path: Path, name: str) -> dict[str, Value]:
     except OSError as error:
         raise TemplateError(f"cannot read parameter sets {path}: {error.strerror}") from error
     except (ValueError, KeyError, TypeError) as error:
-        raise TemplateError(f"{path.name} is no OpenSCAD parameter-set file: it needs a 'parameterSets' object") from error
+        raise TemplateError(
+            f"{path.name} is no OpenSCAD parameter-set file: it needs a 'parameterSets' object"
+        ) from error
     if not isinstance(sets, dict) or not isinstance(sets.get(name), dict):
         known = ", ".join(sets) if isinstance(sets, dict) else "none"
         raise TemplateError(f"{path.name} has no parameter set {name!r}: it has {known}")
@@ -282,7 +288,11 @@ def _comments(source: str) -> dict[int, str]:
 
 
 def _parameter(node: ast.stmt, comments: Mapping[int, str], lines: list[str]) -> Parameter | None:
-    if not isinstance(node, ast.Assign) or len(node.targets) != 1 or not isinstance(node.targets[0], ast.Name):
+    if (
+        not isinstance(node, ast.Assign)
+        or len(node.targets) != 1
+        or not isinstance(node.targets[0], ast.Name)
+    ):
         return None
     name = node.targets[0].id
     if name.startswith("_") or name.isupper():
@@ -297,7 +307,9 @@ def _parameter(node: ast.stmt, comments: Mapping[int, str], lines: list[str]) ->
     if group == "Hidden":
         return None
     limits = _limits(comments.get(node.end_lineno or node.lineno, ""), default)
-    return Parameter(_public_name(name), default, _description_above(node.lineno, comments, lines), group, **limits)
+    return Parameter(
+        _public_name(name), default, _description_above(node.lineno, comments, lines), group, **limits
+    )
 
 
 def _own_line_comment(number: int, comments: Mapping[int, str], lines: list[str]) -> str | None:

@@ -10,9 +10,9 @@ import contextlib
 import json
 import sys
 from collections.abc import Iterator
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn, Optional
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
@@ -20,8 +20,8 @@ from perfqr_cad import __version__
 from perfqr_cad.errors import PerfQRError
 
 if TYPE_CHECKING:
-    from perfqr_cad.table import Table
     from perfqr_cad.catalog import Value
+    from perfqr_cad.table import Table
 
 app = typer.Typer(
     name="perfqr",
@@ -29,51 +29,55 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # rich help costs 0.15 s of imports at every start
 )
 
 BENCHMARKS = ("symbol", "capture", "pattern", "structure", "solid", "scan", "spine")
 EXPERIMENTS = ("table1", "table2", "fig9", "fig11", "fig14", "colours", "materials", "limits", "bunny")
 
 
-class _Level(str, Enum):
+class _Level(StrEnum):
     L = "L"
     M = "M"
     Q = "Q"
     H = "H"
 
 
+def _option(*names: str, help: str) -> Any:
+    return typer.Option(*names, help=help)
+
+
+_Json = Annotated[bool, _option("--json", help="Print JSON on standard output.")]
+_TemplateName = Annotated[str, typer.Argument(help="A template's name or a .py file.")]
+
+
 # Each common setting is one long option here and the parameter of the same name in a template.
-_Size = Annotated[Optional[float], typer.Option(help="Edge of the code with its quiet zone, mm.")]
-_Json = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
-
-
 @app.command()
 def make(
-    text: Annotated[Optional[str], typer.Argument(help="The text of the code.")] = None,
-    image: Annotated[Optional[Path], typer.Option(help="A picture of an artistic code, instead of a text.")] = None,
+    text: Annotated[str | None, typer.Argument(help="The text of the code.")] = None,
+    image: Annotated[Path | None, _option(help="A picture of a code, instead of a text.")] = None,
     output: Annotated[
-        Optional[list[str]],
-        typer.Option("-o", "--output", help="FILE (its suffix is the format) or FOLDER/ (everything). May repeat."),
+        list[str] | None, _option("-o", "--output", help="FILE (suffix = format) or FOLDER/ (all). Repeats.")
     ] = None,
-    template: Annotated[str, typer.Option("-t", "--template", help="A template's name or a .py file.")] = "plate",
-    define: Annotated[Optional[list[str]], typer.Option("-D", help="Set a template parameter: name=value.")] = None,
-    set_file: Annotated[Optional[Path], typer.Option("-p", help="OpenSCAD parameter sets (JSON).")] = None,
-    set_name: Annotated[Optional[str], typer.Option("-P", help="The parameter set to take from -p.")] = None,
-    size: _Size = None,
-    thickness: Annotated[Optional[float], typer.Option(help="Thickness, mm.")] = None,
-    nozzle: Annotated[Optional[float], typer.Option(help="Nozzle or kerf width, mm.")] = None,
-    level: Annotated[Optional[_Level], typer.Option(help="Error correction level.")] = None,
-    version: Annotated[Optional[int], typer.Option(help="Symbol version 1-40; smallest that fits if not given.")] = None,
-    pressure: Annotated[Optional[float], typer.Option(help="Pressure on the part, MPa.")] = None,
-    yield_: Annotated[Optional[float], typer.Option("--yield", help="Yield stress, MPa; the material's if not given.")] = None,
-    material: Annotated[Optional[str], typer.Option(help="PLA, PETG, ABS, PA12, resin, aluminium, steel, stainless.")] = None,
-    draft: Annotated[Optional[float], typer.Option(help="Flare of the hole walls towards the back, degrees.")] = None,
-    lip: Annotated[Optional[float], typer.Option(help="Straight lip at the front of flared walls, mm.")] = None,
-    fillet: Annotated[Optional[float], typer.Option(help="Radius of re-entrant corners, mm.")] = None,
-    style: Annotated[Optional[str], typer.Option(help="square, rounded, dots, diamond, bars.")] = None,
-    tone: Annotated[Optional[str], typer.Option(help="normal (light is material) or inverted.")] = None,
-    scan_tilt: Annotated[Optional[float], typer.Option(help="Tilt at which the part must still read, degrees.")] = None,
-    seed: Annotated[Optional[int], typer.Option(help="Seed of everything random.")] = None,
+    template: Annotated[str, _option("-t", "--template", help="A template or a .py file.")] = "plate",
+    define: Annotated[list[str] | None, _option("-D", help="Set a parameter: name=value.")] = None,
+    set_file: Annotated[Path | None, _option("-p", help="OpenSCAD parameter sets (JSON).")] = None,
+    set_name: Annotated[str | None, _option("-P", help="The parameter set to take from -p.")] = None,
+    size: Annotated[float | None, _option(help="Edge with the quiet zone, mm.")] = None,
+    thickness: Annotated[float | None, _option(help="Thickness, mm.")] = None,
+    nozzle: Annotated[float | None, _option(help="Nozzle or kerf width, mm.")] = None,
+    level: Annotated[_Level | None, _option(help="Error correction level.")] = None,
+    version: Annotated[int | None, _option(help="Symbol version, 1-40.")] = None,
+    pressure: Annotated[float | None, _option(help="Pressure on the part, MPa.")] = None,
+    yield_: Annotated[float | None, _option("--yield", help="Yield stress, MPa.")] = None,
+    material: Annotated[str | None, _option(help="PLA, PETG, steel, ...: see params.")] = None,
+    draft: Annotated[float | None, _option(help="Flare of hole walls, degrees.")] = None,
+    lip: Annotated[float | None, _option(help="Straight lip before the flare, mm.")] = None,
+    fillet: Annotated[float | None, _option(help="Radius of re-entrant corners, mm.")] = None,
+    style: Annotated[str | None, _option(help="square, rounded, dots, ...: see params.")] = None,
+    tone: Annotated[str | None, _option(help="normal (light is material) or inverted.")] = None,
+    scan_tilt: Annotated[float | None, _option(help="Tilt at which it must read, degrees.")] = None,
+    seed: Annotated[int | None, _option(help="Seed of everything random.")] = None,
     as_json: _Json = False,
 ) -> None:
     """Make a part from a text or a picture, and write it with its certificate."""
@@ -85,20 +89,18 @@ def make(
         "pressure": pressure, "yield": yield_, "material": material, "draft": draft, "lip": lip,
         "fillet": fillet, "style": style, "tone": tone, "scan_tilt": scan_tilt, "seed": seed,
     }  # fmt: skip
+    outputs = output or []
+    if not outputs and not as_json:
+        _fail("nothing to write: give -o FILE, -o FOLDER/ or --json")
     with _one_line_errors():
         chosen = catalog.find(template)
-        values = catalog.merge(
-            catalog.read_parameter_set(set_file, set_name) if set_file else {},
-            dict(catalog.read_definition(d) for d in define or []),
-            {name: value for name, value in options.items() if value is not None},
-        )
-        targets = [export.Destination.parse(o) for o in output or []]
-        if not targets and not as_json:
-            typer.echo("nothing to write: give -o FILE, -o FOLDER/ or --json", err=True)
-            raise typer.Exit(2)
+        sets = catalog.read_parameter_set(set_file, set_name or "") if set_file else {}
+        defined = dict(catalog.read_definition(d) for d in define or [])
+        given = {name: value for name, value in options.items() if value is not None}
+        values = chosen.values(catalog.merge(sets, defined, given))
+        export.check(outputs)
         with _progress():
-            design = chosen.build(values)
-            design = design.write_to(targets)
+            design = chosen.build(values).written(outputs)
     if as_json:
         _print_json(design.certificate())
     else:
@@ -122,7 +124,7 @@ def read(picture: Annotated[Path, typer.Argument(metavar="IMAGE")], as_json: _Js
 @app.command()
 def scan(
     part: Annotated[Path, typer.Argument(help=".step, .stl, .3mf, or a design .json")],
-    text: Annotated[Optional[str], typer.Option(help="The text that must come back.")] = None,
+    text: Annotated[str | None, typer.Option(help="The text that must come back.")] = None,
     as_json: _Json = False,
 ) -> None:
     """Film a part from many sides and let every decoder read it."""
@@ -150,7 +152,7 @@ def templates(as_json: _Json = False) -> None:
 
 
 @app.command()
-def params(template: Annotated[str, typer.Argument(help="A template's name or a .py file.")], as_json: _Json = False) -> None:
+def params(template: _TemplateName, as_json: _Json = False) -> None:
     """List what a template lets you set."""
     from perfqr_cad import catalog
 
@@ -164,8 +166,10 @@ def params(template: Annotated[str, typer.Argument(help="A template's name or a 
 
 @app.command()
 def reproduce(
-    experiments: Annotated[Optional[list[str]], typer.Argument(help=f"Any of {', '.join(EXPERIMENTS)}; all if none.")] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for pictures and tables.")] = Path("out/reproduce"),
+    experiments: Annotated[list[str] | None, typer.Argument(help=", ".join(EXPERIMENTS))] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for pictures and tables.")] = Path(
+        "out/reproduce"
+    ),
     as_json: _Json = False,
 ) -> None:
     """Run the paper's experiments on this machine."""
@@ -179,7 +183,7 @@ def reproduce(
 
 @app.command()
 def bench(
-    layers: Annotated[Optional[list[str]], typer.Argument(help=f"Any of {', '.join(BENCHMARKS)}; all if none.")] = None,
+    layers: Annotated[list[str] | None, typer.Argument(help=", ".join(BENCHMARKS))] = None,
     as_json: _Json = False,
 ) -> None:
     """Measure, as ratios in one run."""
@@ -205,7 +209,7 @@ def _version(show: bool) -> None:
 
 @app.callback()
 def _common(
-    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True)] = False,
 ) -> None:
     del version
 

@@ -1,0 +1,81 @@
+"""A flat plate with a perforated code."""
+
+from perfqr_cad import make
+
+# [Code]
+# the text of the code
+text = "https://example.com"
+# a picture of an artistic code, instead of the text
+image = ""
+# error correction level
+level = "M"  # [L:7 %, M:15 %, Q:25 %, H:30 %]
+# symbol version; 0 takes the smallest that fits
+version = 0  # [0:1:40]
+# edge of the code with its quiet zone, mm; 0 takes the smallest that the nozzle prints
+size = 0  # [0:0.1:2000]
+# light margin around the code, modules
+quiet = 4  # [1:1:20]
+# which modules are material
+tone = "normal"  # [normal:light modules, inverted:dark modules]
+
+# [Look]
+# shape of the modules
+style = "square"  # [square, rounded, dots, diamond, bars]
+# radius of re-entrant corners, mm; -1 takes half the nozzle
+fillet = -1  # [-1:0.05:5]
+# how the finder rings are held
+finder = "panel"  # [panel:as decoders bear it, diagonal:four corner bars, recessed:bars at the back only]
+# how bridges are chosen
+objective = "optimal"  # [optimal:fewest and least harmful, paper:Eq. (4)]
+
+# [Body]
+# thickness of the plate, mm
+thickness = 1.6  # [0.1:0.1:50]
+# flare of the hole walls towards the back, degrees
+draft = 0  # [0:1:60]
+# straight lip in front of flared walls, mm
+lip = 0  # [0:0.1:50]
+# width of one printed line or of the kerf, mm
+nozzle = 0.4  # [0.05:0.05:2]
+
+# [Strength]
+# what the part is made of
+material = "PLA"  # [PLA, PETG, ABS, PA12, resin, aluminium, steel, stainless]
+# uniform pressure on the part, MPa
+pressure = 5e-6
+# how the plate is held
+support = "clamped"  # [clamped, simple, two-sides, four-corners]
+# yield stress, MPa; 0 takes the material's
+yield_ = 0
+
+# [Proof]
+# tilt at which the part must still read, degrees; 0 asks for nothing
+scan_tilt = 0  # [0:5:60]
+# seed of everything random
+seed = 0  # [0:1:1000000]
+
+
+def build(p):
+    return make(
+        text=None if p.image else p.text,
+        image=p.image or None,
+        level=p.level,
+        version=p.version or None,
+        size_mm=p.size or None,
+        quiet_modules=p.quiet,
+        tone=p.tone,
+        style=p.style,
+        fillet_mm=None if p.fillet < 0 else p.fillet,
+        finder=p.finder,
+        objective=p.objective,
+        thickness_mm=p.thickness,
+        draft_deg=p.draft,
+        lip_mm=p.lip,
+        nozzle_mm=p.nozzle,
+        material=p.material,
+        pressure_mpa=p.pressure,
+        support=p.support,
+        yield_mpa=p.yield_ or None,
+        scan_tilt_deg=p.scan_tilt or None,
+        seed=p.seed,
+    )
