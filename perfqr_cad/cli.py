@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from perfqr_cad import __version__
-from perfqr_cad.errors import PerfQRError
+from perfqr_cad.errors import DesignError, PerfQRError
 
 if TYPE_CHECKING:
     from perfqr_cad.catalog import Value
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 app = typer.Typer(
     name="perfqr",
     help="Perforated QR codes as real parts: one piece, strong enough, and proven to scan.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # rich help costs 0.15 s of imports at every start
 )
 
 BENCHMARKS = ("symbol", "capture", "pattern", "structure", "solid", "scan", "spine")
+BAD_INPUT, INTERRUPTED = 2, 130  # exit codes; 130 is the shell's own for an interrupt
 EXPERIMENTS = ("table1", "table2", "fig9", "fig11", "fig14", "colours", "materials", "limits", "bunny")
 
 
@@ -91,16 +91,15 @@ def make(
     }  # fmt: skip
     outputs = output or []
     if not outputs and not as_json:
-        _fail("nothing to write: give -o FILE, -o FOLDER/ or --json")
-    with _one_line_errors():
-        chosen = catalog.find(template)
-        sets = catalog.read_parameter_set(set_file, set_name or "") if set_file else {}
-        defined = dict(catalog.read_definition(d) for d in define or [])
-        given = {name: value for name, value in options.items() if value is not None}
-        values = chosen.values(catalog.merge(sets, defined, given))
-        export.check(outputs)
-        with _progress():
-            design = chosen.build(values).written(outputs)
+        raise DesignError("nothing to write: give -o FILE, -o FOLDER/ or --json")
+    chosen = catalog.find(template)
+    sets = catalog.read_parameter_set(set_file, set_name or "") if set_file else {}
+    defined = dict(catalog.read_definition(d) for d in define or [])
+    given = {name: value for name, value in options.items() if value is not None}
+    values = chosen.values(catalog.merge(sets, defined, given))
+    export.check(outputs)
+    with _progress():
+        design = chosen.build(values).written(outputs)
     if as_json:
         _print_json(design.certificate())
     else:
@@ -112,7 +111,7 @@ def read(picture: Annotated[Path, typer.Argument(metavar="IMAGE")], as_json: _Js
     """Read a picture of a code: payload, version, level, mask, errors per block, and L(Q)."""
     from perfqr_cad import design
 
-    with _one_line_errors(), _progress():
+    with _progress():
         report = design.reading(picture)
     if as_json:
         _print_json(report)
@@ -130,7 +129,7 @@ def scan(
     """Film a part from many sides and let every decoder read it."""
     from perfqr_cad import design
 
-    with _one_line_errors(), _progress():
+    with _progress():
         report = design.scan_part(part, text)
     if as_json:
         _print_json(report.as_dict())
@@ -143,8 +142,7 @@ def templates(as_json: _Json = False) -> None:
     """List the shipped templates."""
     from perfqr_cad import catalog
 
-    with _one_line_errors():
-        found = catalog.available()
+    found = catalog.available()
     if as_json:
         _print_json([{"name": t.name, "description": t.description, "path": str(t.path)} for t in found])
     for template in [] if as_json else found:
@@ -156,8 +154,7 @@ def params(template: _TemplateName, as_json: _Json = False) -> None:
     """List what a template lets you set."""
     from perfqr_cad import catalog
 
-    with _one_line_errors():
-        found = catalog.find(template)
+    found = catalog.find(template)
     if as_json:
         _print_json(catalog.describe(found))
     else:
@@ -175,10 +172,9 @@ def reproduce(
     """Run the paper's experiments on this machine."""
     from importlib import import_module
 
-    with _one_line_errors():
-        for name in _chosen(experiments, EXPERIMENTS):
-            with _progress():
-                _print_table(import_module(f"perfqr_cad.reproduce.{name}").run(output), as_json)
+    for name in _chosen(experiments, EXPERIMENTS):
+        with _progress():
+            _print_table(import_module(f"perfqr_cad.reproduce.{name}").run(output), as_json)
 
 
 @app.command()
@@ -189,16 +185,24 @@ def bench(
     """Measure, as ratios in one run."""
     from importlib import import_module
 
-    with _one_line_errors():
-        for name in _chosen(layers, BENCHMARKS):
-            result = import_module(f"perfqr_cad.bench.{name}").run()
-            for table in result if isinstance(result, tuple | list) else (result,):
-                _print_table(table, as_json)
+    for name in _chosen(layers, BENCHMARKS):
+        result = import_module(f"perfqr_cad.bench.{name}").run()
+        for table in result if isinstance(result, tuple | list) else (result,):
+            _print_table(table, as_json)
 
 
-def main() -> None:
-    """Entry point of the command."""
-    app(prog_name="perfqr")
+def main(arguments: list[str] | None = None) -> NoReturn:
+    """Entry point of the command: run it, then exit with 0, or 2 after one line that says what is wrong."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    try:
+        status = app(arguments or ["--help"], prog_name="perfqr", standalone_mode=False)
+    except (PerfQRError, typer.TyperException) as error:
+        message = error.format_message() if isinstance(error, typer.TyperException) else str(error)
+        typer.echo("error: " + " ".join(message.split()), err=True)
+        status = BAD_INPUT
+    except (typer.Abort, KeyboardInterrupt):
+        status = INTERRUPTED
+    sys.exit(status or 0)
 
 
 def _version(show: bool) -> None:
@@ -212,19 +216,6 @@ def _common(
     version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True)] = False,
 ) -> None:
     del version
-
-
-@contextlib.contextmanager
-def _one_line_errors() -> Iterator[None]:
-    try:
-        yield
-    except PerfQRError as error:
-        _fail(str(error))
-
-
-def _fail(message: str) -> NoReturn:
-    typer.echo("error: " + " ".join(message.split()), err=True)
-    raise typer.Exit(2)
 
 
 @contextlib.contextmanager
@@ -244,7 +235,7 @@ def _progress() -> Iterator[None]:
 def _chosen(names: list[str] | None, known: tuple[str, ...]) -> tuple[str, ...]:
     for name in names or []:
         if name not in known:
-            _fail(f"{name!r} is not one of {', '.join(known)}")
+            raise DesignError(f"{name!r} is not one of {', '.join(known)}")
     return tuple(names) if names else known
 
 
