@@ -1,0 +1,166 @@
+"""From a matrix with errors, Q, to the correct symbol, Q₀ (paper §4.2): codewords are corrected in place.
+
+The text is never encoded again: another encoder might have chosen other segments, pads or mask.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from math import comb
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perfqr_cad.errors import SymbolError
+from perfqr_cad.symbol.drawing import Symbol, extract
+from perfqr_cad.symbol.format import FormatInfo, format_candidates
+from perfqr_cad.symbol.galois import PRIMITIVE, ByteArray, parity
+from perfqr_cad.symbol.layout import Layout, layout
+from perfqr_cad.symbol.matrix import Matrix
+from perfqr_cad.symbol.payload import Payload, payload_of
+from perfqr_cad.symbol.tables import Blocks
+
+FloatArray = NDArray[np.floating]
+
+# Chance that random codewords pass as correctable. Without erasures the least protected symbol of Table 9,
+# 2-L with r = 4, comes to 5e-10; erasures may not make it worse than this.
+MISDECODE_LIMIT: Final = 1e-9
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """A matrix and the symbol it stands for.
+
+    errors    codewords of each block in which Q differs from Q₀
+    capacity  r of each block (Table 9)
+    erasures  codewords of each block that were given up as unreliable before decoding; 0 where plain
+              decoding did. Such a block may have more errors than its capacity: the picture could be
+              read by its shades, yet L(Q) of its hard decisions is inf, as Eq. (2) has it.
+    """
+
+    observed: Matrix
+    symbol: Symbol
+    errors: tuple[int, ...]
+    capacity: tuple[int, ...]
+    erasures: tuple[int, ...]
+    payload: Payload
+
+
+def recover(observed: Matrix, *, log_likelihood: FloatArray | None = None) -> Recovery:
+    """The symbol nearest to a matrix.
+
+    log_likelihood  (n, n), ln(P(dark)/P(light)) of each module; with it the least certain codewords are
+                    tried as erasures where a block has more than r errors. One erasure costs half of
+                    what an error does, so up to twice the damage is repaired.
+
+    Every format within reach of its BCH code is tried, likeliest first. SymbolError names the blocks that
+    have too many errors and the number that they can bear.
+    """
+    if log_likelihood is not None and log_likelihood.shape != observed.dark.shape:
+        raise SymbolError(
+            f"log-likelihoods of shape {log_likelihood.shape} for a matrix of {observed.dark.shape}:"
+            " give one for each module"
+        )
+    failures: list[SymbolError] = []
+    for info in format_candidates(observed, log_likelihood):
+        try:
+            return _recover_as(info, observed, log_likelihood)
+        except SymbolError as failure:
+            failures.append(failure)
+    raise failures[0]
+
+
+def _recover_as(info: FormatInfo, observed: Matrix, log_likelihood: FloatArray | None) -> Recovery:
+    """Recovery under one reading of the format information."""
+    at = layout(observed.version, info.level)
+    placed = np.frombuffer(extract(observed, info.level, info.mask), np.uint8)
+    doubt = None if log_likelihood is None else _doubt(at, log_likelihood)
+    corrected = placed.copy()
+    erasures: list[int] = []
+    failed: list[int] = []
+    for block in range(at.blocks.count):
+        members = at.codewords_of_block(block)
+        order = [] if doubt is None else np.argsort(-doubt[members], kind="stable").tolist()
+        found = correct_block(placed[members], at.blocks, order)
+        if found is None:
+            failed.append(block)
+        else:
+            corrected[members], erased = found
+            erasures.append(erased)
+    if failed:
+        raise SymbolError(_beyond(failed, at.blocks, info))
+    symbol = Symbol(observed.version, info.level, info.mask, corrected.tobytes())
+    errors = np.bincount(at.block_of_codeword[placed != corrected], minlength=at.blocks.count)
+    capacity = (at.blocks.capacity,) * at.blocks.count
+    return Recovery(
+        observed, symbol, tuple(int(e) for e in errors), capacity, tuple(erasures), payload_of(symbol)
+    )
+
+
+def _beyond(failed: list[int], structure: Blocks, info: FormatInfo) -> str:
+    names = ", ".join(str(block + 1) for block in failed)
+    return (
+        f"damaged beyond repair: more than {structure.capacity} of {structure.data[failed[0]] + structure.ec}"
+        f" codewords are wrong in block {names} of {structure.count} (level {info.level}, capacity"
+        f" {structure.capacity} a block): restore the modules or take a clearer picture"
+    )
+
+
+def _doubt(at: Layout, log_likelihood: FloatArray) -> FloatArray:
+    """(C,) expected wrong bits of each codeword: Σ P(module misread) = Σ 1/(1 + e^|ℓ|)."""
+    certainty = np.abs(log_likelihood[at.modules[..., 0], at.modules[..., 1]])
+    return np.sum(1.0 / (1.0 + np.exp(np.minimum(certainty, 700.0))), axis=1)
+
+
+def correct_block(word: ByteArray, structure: Blocks, doubtful: list[int]) -> tuple[ByteArray, int] | None:
+    """A block corrected, and the number of erasures that it took; None when it cannot be.
+
+    Plain decoding of up to r errors first; then, after Forney's generalised minimum distance, the
+    2, 4, … most doubtful codewords are erased, as long as chance could not have made the result.
+    """
+    if not _syndrome(word, structure.ec):
+        return word, 0
+    for erased in range(0, min(len(doubtful), structure.ec) + 1, 2):
+        corrected = _decode(word, structure.ec, doubtful[:erased])
+        if corrected is None:
+            continue
+        errors = int(np.count_nonzero(np.delete(corrected != word, doubtful[:erased])))
+        chance = misdecode_chance(len(word), structure.ec, erased, errors)
+        if errors <= structure.capacity and chance <= MISDECODE_LIMIT:
+            return corrected, erased
+    return None
+
+
+def misdecode_chance(length: int, ec: int, erased: int, errors: int) -> float:
+    """Bound on the chance that `length` random codewords decode with these erasures and that many errors.
+
+    There are C(length − erased, errors)·255^errors words within reach of each valid one, and one word
+    in 256^(ec − erased) is valid.
+    """
+    return comb(length - erased, errors) * 255.0**errors / 256.0 ** (ec - erased)
+
+
+def _syndrome(word: ByteArray, ec: int) -> bool:
+    return bool(np.any(parity(word[None, :-ec], ec)[0] != word[-ec:]))
+
+
+@cache
+def _decoder() -> Any:
+    """reedsolo with the tables of this field."""
+    import reedsolo
+
+    reedsolo.init_tables(prim=PRIMITIVE)
+    return reedsolo
+
+
+def _decode(word: ByteArray, ec: int, erased: list[int]) -> ByteArray | None:
+    """The valid word nearest to this one, or None."""
+    reedsolo = _decoder()
+    try:
+        data, check, _ = reedsolo.rs_correct_msg(bytearray(word.tobytes()), ec, erase_pos=erased)
+    except reedsolo.ReedSolomonError:
+        return None
+    corrected = np.frombuffer(bytes(data + check), np.uint8)
+    return None if _syndrome(corrected, ec) else corrected
