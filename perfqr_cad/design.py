@@ -7,30 +7,36 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.progress import tell
+from perfqr_cad.request import Request
 
 if TYPE_CHECKING:
+    import build123d
+    import cadquery
+
     from perfqr_cad.capture import Capture
-    from perfqr_cad.pattern import Pattern
+    from perfqr_cad.export import FileRecord
+    from perfqr_cad.pattern import Pattern, PatternSpec
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Solid, Walls
     from perfqr_cad.structure import Reinforcement, StressField
     from perfqr_cad.surface import Placement
     from perfqr_cad.symbol import Symbol
 
-Progress = Callable[[str], None]
-
 
 class Target(Protocol):
     """What the code is carved into."""
 
     def placement(self, size_mm: float) -> Placement:
-        """Where a code of this edge (quiet zone included) lies."""
+        """Where a code of this edge (quiet zone included) lies. `DesignError` when it does not fit."""
         ...
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
@@ -39,77 +45,18 @@ class Target(Protocol):
 
 
 @dataclass(frozen=True)
-class Request:
-    """Everything a user can ask for. Lengths in mm, pressure and stress in MPa, angles in degrees.
-
-    `size_mm` is the edge of the whole code with its quiet zone; None takes the smallest that the nozzle
-    prints. `yield_mpa` None takes the material's. Raises `DesignError` for values that cannot be meant.
-    """
-
-    text: str | None = None
-    image: str | None = None
-    name: str = "perforated-qr"
-    level: str = "M"
-    version: int | None = None
-    mask: int | None = None
-    size_mm: float | None = None
-    thickness_mm: float = 1.6
-    nozzle_mm: float = 0.4
-    quiet_modules: int = 4
-    style: str = "square"
-    fillet_mm: float | None = None
-    tone: str = "normal"
-    finder: str = "panel"
-    objective: str = "optimal"
-    draft_deg: float = 0.0
-    lip_mm: float = 0.0
-    material: str = "PLA"
-    pressure_mpa: float = 5e-6
-    support: str = "clamped"
-    yield_mpa: float | None = None
-    method: str = "optimal"
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        if (self.text is None) == (self.image is None):
-            raise DesignError("give either a text or a picture (--image FILE), and not both")
-        if self.text is not None and not self.text:
-            raise DesignError("the text is empty: give at least 1 character")
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            if isinstance(value, float) and not math.isfinite(value):
-                raise DesignError(f"{entry.name}={value} is not a finite number")
-        for name, low, high in _LIMITS:
-            value = getattr(self, name)
-            if value is not None and not low <= value <= high:
-                raise DesignError(f"{name}={value:g} is outside {low:g} to {high:g}: choose a value within")
-
-
-# Name, least, most. Upper ends are far beyond any printer or cutter; they catch slips of unit.
-_LIMITS: tuple[tuple[str, float, float], ...] = (
-    ("size_mm", 1.0, 10_000.0),
-    ("thickness_mm", 0.05, 500.0),
-    ("nozzle_mm", 0.01, 10.0),
-    ("quiet_modules", 0, 20),
-    ("fillet_mm", 0.0, 100.0),
-    ("draft_deg", 0.0, 60.0),
-    ("lip_mm", 0.0, 500.0),
-    ("pressure_mpa", 0.0, 1000.0),
-    ("yield_mpa", 1e-3, 1e5),
-)
-
-
-@dataclass(frozen=True)
 class Sheet:
-    """A wall of even thickness on an analytic placement."""
+    """A wall of even thickness, bent like the surface it is given: the target unless another is named."""
 
     surface: Placement
 
     def placement(self, size_mm: float) -> Placement:
-        del size_mm
+        """The surface, once its distortion is within the limit."""
+        self.surface.check(size_mm)
         return self.surface
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
+        """The code's own square of that wall."""
         from perfqr_cad.solid import build
 
         return build(pattern, placement, walls)
@@ -117,7 +64,7 @@ class Sheet:
 
 @dataclass(frozen=True)
 class Design:
-    """A finished part with everything that was measured on the way. Exporters read only this."""
+    """A finished part and everything that was measured on the way. Exporters read only this."""
 
     request: Request
     capture: Capture | None
@@ -128,9 +75,181 @@ class Design:
     solid: Solid
     scan: ScanReport
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
-    files: tuple[dict[str, Any], ...] = ()
+    files: tuple[FileRecord, ...] = ()
 
     @property
     def stress(self) -> StressField:
         """The stress field of the finished part."""
         return self.reinforcement.after
+
+    @property
+    def part(self) -> build123d.Part:
+        """The part as a build123d object."""
+        from perfqr_cad.solid.frontends import to_build123d
+
+        return to_build123d(self.solid)
+
+    def workplane(self) -> cadquery.Workplane:
+        """The part as a CadQuery object."""
+        from perfqr_cad.solid.frontends import to_cadquery
+
+        return to_cadquery(self.solid)
+
+    def certificate(self) -> dict[str, Any]:
+        """Everything that was measured, as plain values; null where a link gave none."""
+        from perfqr_cad.certificate import certificate
+
+        return certificate(self)
+
+    def summary(self) -> str:
+        """The certificate in a few lines for people."""
+        from perfqr_cad.certificate import summary
+
+        return summary(self)
+
+    def write(self, path: str | Path) -> FileRecord:
+        """Write one file; its suffix is the format."""
+        from perfqr_cad.export import write
+
+        return write(self, path)
+
+    def written(self, outputs: Sequence[str | Path]) -> Design:
+        """Write files and folders; the design that knows of them."""
+        from perfqr_cad.export import write_outputs
+
+        begin = time.perf_counter()
+        files = write_outputs(self, outputs)
+        timings = self.timings_s | {"export": time.perf_counter() - begin}
+        return replace(self, files=files, timings_s=timings)
+
+
+def make(
+    text: str | None = None, *, image: str | Path | None = None, target: Target | None = None, **settings: Any
+) -> Design:
+    """Make a part from a text or a picture; `settings` are the fields of `Request`.
+
+    `target` is what the code is carved into; a flat plate of `thickness_mm` unless given.
+
+    Raises `PerfQRError`: `SymbolError` and `CaptureError` for the code, `DesignError` for sizes and for a
+    part that no decoder reads, `KernelError` for the solid, `AnalysisError` for the strength.
+    """
+    known = Request.__dataclass_fields__
+    for name in settings:
+        if name not in known:
+            raise DesignError(f"make() has no setting {name!r}: it has {', '.join(known)}")
+    return run(Request(text=text, image=None if image is None else str(image), **settings), target)
+
+
+def run(request: Request, target: Target | None = None) -> Design:
+    """The whole chain for one request."""
+    from perfqr_cad import pattern as patterns
+    from perfqr_cad import scan, structure
+
+    watch = _Stopwatch()
+    walls = _walls(request)
+    material = structure.material(request.material)
+    target = target or _plate(request)
+    with watch("symbol"):
+        capture, symbol = _source(request)
+    with watch("pattern"):
+        spec = _spec(request)
+        drawn = patterns.build(symbol, spec, None if capture is None else capture.art)
+        placement = target.placement(drawn.size_mm)
+    with watch("structure"):
+        reinforcement = structure.reinforce(
+            drawn,
+            placement,
+            material=material,
+            load=structure.Pressure(request.pressure_mpa),
+            support=request.support,
+            yield_mpa=request.yield_mpa,
+            method=request.method,
+        )
+    with watch("solid"):
+        solid = target.solid(reinforcement.pattern, placement, walls)
+    with watch("scan"):
+        report = scan.certify(solid.triangles, placement, reinforcement.pattern, _payload(symbol))
+    _require_readable(report)
+    return Design(
+        request,
+        capture,
+        symbol,
+        reinforcement.pattern,
+        placement,
+        reinforcement,
+        solid,
+        report,
+        watch.seconds,
+    )
+
+
+def _source(request: Request) -> tuple[Capture | None, Symbol]:
+    """The symbol of a text, or of the code in a picture with its codewords corrected."""
+    if request.image is not None:
+        from perfqr_cad.capture import read
+
+        capture = read(request.image)
+        return capture, capture.recovery.symbol
+    from perfqr_cad.symbol import encode
+
+    assert request.text is not None  # Request holds exactly one of text and image
+    return None, encode(request.text, version=request.version, level=request.level, mask=request.mask)
+
+
+def _spec(request: Request) -> PatternSpec:
+    from perfqr_cad.pattern import PatternSpec
+
+    return PatternSpec(
+        size_mm=request.size_mm,
+        quiet_modules=request.quiet_modules,
+        nozzle_mm=request.nozzle_mm,
+        style=request.style,  # pyright: ignore[reportArgumentType]  # PatternSpec refuses unknown names
+        fillet_mm=request.fillet_mm,
+        finder=request.finder,  # pyright: ignore[reportArgumentType]
+        objective=request.objective,  # pyright: ignore[reportArgumentType]
+        contour=request.contour,  # pyright: ignore[reportArgumentType]
+        tone=request.tone,  # pyright: ignore[reportArgumentType]
+        seed=request.seed,
+    )
+
+
+def _walls(request: Request) -> Walls:
+    from perfqr_cad.solid import Walls
+
+    return Walls(draft_deg=request.draft_deg, lip_mm=request.lip_mm, depth_mm=request.depth_mm)
+
+
+def _plate(request: Request) -> Target:
+    from perfqr_cad.surface import Plane
+
+    return Sheet(Plane(request.thickness_mm))
+
+
+def _payload(symbol: Symbol) -> bytes:
+    from perfqr_cad.symbol import payload_of
+
+    return payload_of(symbol).data
+
+
+def _require_readable(report: ScanReport) -> None:
+    """A part that no decoder reads is an error, not a warning."""
+    if not report.readers:
+        tried = ", ".join(report.decoders)
+        raise DesignError(
+            f"none of {len(report.decoders)} decoders ({tried}) reads the part from straight above: "
+            "raise --size or --level, or lower --thickness"
+        )
+
+
+class _Stopwatch:
+    """Seconds by step, announced as they begin."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, step: str) -> Iterator[None]:
+        tell(step)
+        begin = time.perf_counter()
+        yield
+        self.seconds[step] = time.perf_counter() - begin

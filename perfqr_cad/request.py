@@ -1,0 +1,86 @@
+"""What a user can ask for, checked once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from perfqr_cad.errors import DesignError
+
+
+@dataclass(frozen=True)
+class Request:
+    """Every setting of a part. Lengths in mm, pressure and stress in MPa, angles in degrees.
+
+    text, image      the payload, or a picture of an artistic code; exactly one of them
+    size_mm          edge of the whole code with its quiet zone; None: the smallest the nozzle can make
+    yield_mpa        None: the material's own
+    fillet_mm        radius of re-entrant corners; None: half the nozzle
+    scan_tilt_deg    tilt at which the part must still read; None: nothing is asked beyond the frontal view
+
+    Raises `DesignError` for values that cannot be meant; each layer checks its own more closely.
+    """
+
+    text: str | None = None
+    image: str | None = None
+    name: str = "perforated-qr"
+    level: str = "M"
+    version: int | None = None
+    mask: int | None = None
+    size_mm: float | None = None
+    thickness_mm: float = 1.6
+    nozzle_mm: float = 0.4
+    quiet_modules: int = 4
+    style: str = "square"
+    fillet_mm: float | None = None
+    tone: str = "normal"
+    finder: str = "panel"
+    objective: str = "optimal"
+    contour: str = "smooth"
+    draft_deg: float = 0.0
+    lip_mm: float = 0.0
+    depth_mm: float | None = None
+    material: str = "PLA"
+    pressure_mpa: float = 5e-6  # the paper's 5 Pa
+    support: str = "clamped"
+    yield_mpa: float | None = None
+    method: str = "optimal"
+    scan_tilt_deg: float | None = None
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if (self.text is None) == (self.image is None):
+            raise DesignError("give either a text or a picture (--image FILE), not both and not neither")
+        if self.text == "":
+            raise DesignError("the text is empty: give at least 1 character")
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if isinstance(value, float) and not math.isfinite(value):
+                raise DesignError(f"{entry.name}={value} is not a finite number: give one")
+        for name, low, high in _RANGES:
+            value = getattr(self, name)
+            if value is not None and not low <= value <= high:
+                raise DesignError(f"{name}={value:g} is outside {low:g} to {high:g}: choose a value within")
+
+    def as_dict(self) -> dict[str, Any]:
+        """The settings as plain JSON values."""
+        return asdict(self)
+
+
+# Name, least, most. The ends are far beyond any printer, cutter or press; they catch slips of unit.
+_RANGES: tuple[tuple[str, float, float], ...] = (
+    ("version", 1, 40),
+    ("mask", 0, 7),
+    ("size_mm", 1.0, 10_000.0),
+    ("thickness_mm", 0.05, 500.0),
+    ("nozzle_mm", 0.01, 10.0),
+    ("quiet_modules", 1, 20),
+    ("fillet_mm", 0.0, 100.0),
+    ("draft_deg", 0.0, 60.0),
+    ("lip_mm", 0.0, 500.0),
+    ("depth_mm", 0.01, 500.0),
+    ("pressure_mpa", 0.0, 1000.0),
+    ("yield_mpa", 1e-3, 1e5),
+    ("scan_tilt_deg", 0.0, 60.0),
+)
