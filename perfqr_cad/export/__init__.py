@@ -1,1 +1,158 @@
+"""Files of a finished part: one format, one module, each with `write(design, path)`.
 
+    write(design, "part.step")     one file, the suffix is the format
+    write_all(design, "out/")      everything that a maker, an engineer or a reader of the report needs
+
+Nothing is ever half-written: files are made in a folder beside their place and renamed into it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass, replace
+from importlib import import_module
+from pathlib import Path, PurePath
+from typing import Any
+
+from perfqr_cad.errors import DesignError
+from perfqr_cad.progress import tell
+
+from .design_view import DesignView
+from .staging import probe, staged
+
+# Suffix -> module of this package; loaded on use, since several pull in a heavy library.
+FORMATS: dict[str, str] = {
+    ".step": "step",
+    ".stp": "step",
+    ".stl": "stl",
+    ".3mf": "threemf",
+    ".svg": "svg",
+    ".dxf": "dxf",
+    ".scad": "scad",
+    ".glb": "glb",
+    ".png": "png",
+    ".html": "report",
+    ".json": "certificate",
+}
+
+# What a folder gets.
+FILES: tuple[str, ...] = (
+    "part.step",
+    "part.stl",
+    "part.3mf",
+    "part.svg",
+    "part.dxf",
+    "part.scad",
+    "part.png",
+    "report.html",
+    "design.json",
+)
+
+
+@dataclass(frozen=True)
+class FileRecord:
+    """A file that was written: its path as asked for, format, size and SHA-256 of its bytes."""
+
+    path: str
+    format: str
+    bytes: int
+    sha256: str
+
+    def as_dict(self) -> dict[str, Any]:
+        """The record as the certificate lists it."""
+        return asdict(self)
+
+
+def check(outputs: Sequence[str | Path]) -> None:
+    """Refuse, before any long computation, what `write_outputs` could not write.
+
+    Raises `DesignError` for an unknown suffix, a missing folder of a single file, and a folder that cannot
+    be written to.
+    """
+    folders = {Path(output) for output in outputs if _is_folder(output)}
+    for target in _targets(outputs):
+        module_of(target)
+        probe(target.parent, create=target.parent in folders)
+
+
+def write(design: DesignView, path: str | Path) -> FileRecord:
+    """Write one file; its suffix is the format. The folder must exist.
+
+    Raises `DesignError` for an unknown suffix and for a folder that cannot be written to.
+    """
+    module_of(path)
+    return _write(design, [Path(path)], made=set())[0]
+
+
+def write_all(design: DesignView, folder: str | Path) -> tuple[FileRecord, ...]:
+    """Write `FILES`, the certificate last, with the sizes and hashes of the others.
+
+    The folder is made if need be. Raises `DesignError` for one that cannot be written to.
+    """
+    return write_outputs(design, [f"{folder}/"])
+
+
+def write_outputs(design: DesignView, outputs: Sequence[str | Path]) -> tuple[FileRecord, ...]:
+    """Write several files and folders; each certificate among them lists all files that are none.
+
+    An output that ends in `/`, has no suffix or is a folder gets `FILES`. All appear or, after an error,
+    none. Raises `DesignError` as `check` does.
+    """
+    made = {Path(output) for output in outputs if _is_folder(output)}
+    return _write(design, _targets(outputs), made)
+
+
+def module_of(path: str | Path) -> str:
+    """Name of the module that writes this path. Raises `DesignError` for a suffix that is not known."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in FORMATS:
+        known = " ".join(FORMATS)
+        raise DesignError(
+            f"{Path(path).name}: unknown format {suffix or '(no suffix)'}; use {known}, or FOLDER/ for all"
+        )
+    return FORMATS[suffix]
+
+
+def _write(design: DesignView, targets: Sequence[Path], made: set[Path]) -> tuple[FileRecord, ...]:
+    modules = {target: module_of(target) for target in targets}
+    parts = [target for target in modules if modules[target] != "certificate"]
+    certificates = [target for target in modules if modules[target] == "certificate"]
+    with ExitStack() as stack:
+        folders = dict.fromkeys(target.parent for target in modules)
+        stages = {folder: stack.enter_context(staged(folder, create=folder in made)) for folder in folders}
+        records: list[FileRecord] = []
+        for target in parts:
+            tell(f"writing {target.name}")
+            staging = stages[target.parent] / target.name
+            import_module(f"{__name__}.{modules[target]}").write(design, staging)
+            records.append(_record(target, staging))
+        for target in certificates:
+            staging = stages[target.parent] / target.name
+            files = [_seen_from(target.parent, record).as_dict() for record in records]
+            import_module(f"{__name__}.certificate").write(design, staging, files=files)
+            records.append(_record(target, staging))
+    return tuple(records)
+
+
+def _targets(outputs: Sequence[str | Path]) -> list[Path]:
+    """Every file to write, once."""
+    each = ([Path(o) / name for name in FILES] if _is_folder(o) else [Path(o)] for o in outputs)
+    return list(dict.fromkeys(target for targets in each for target in targets))
+
+
+def _is_folder(output: str | Path) -> bool:
+    return str(output).endswith(("/", os.sep)) or not Path(output).suffix or Path(output).is_dir()
+
+
+def _record(target: Path, written: Path) -> FileRecord:
+    data = written.read_bytes()
+    kind = target.suffix.lower().removeprefix(".")
+    return FileRecord(target.as_posix(), kind, len(data), hashlib.sha256(data).hexdigest())
+
+
+def _seen_from(folder: Path, record: FileRecord) -> FileRecord:
+    """The record with its path as seen from a certificate in `folder`: a design moves with its files."""
+    return replace(record, path=PurePath(os.path.relpath(record.path, folder)).as_posix())

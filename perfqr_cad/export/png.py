@@ -1,0 +1,108 @@
+"""A picture of the part: the solid itself on a dark ground, in soft light, with its holes open."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perfqr_cad.errors import KernelError
+
+from .colour import exposed
+from .design_view import DesignView
+
+if TYPE_CHECKING:
+    from .raycast import Camera
+
+WIDTH_PX, HEIGHT_PX = 1040, 780
+GROUND = (0.055, 0.066, 0.084)  # linear light: slate, dark enough for the holes to read as the dark tone
+TILT_DEG, TURN_DEG = 33.0, -24.0  # of the view from the code's normal, and about it
+UPRIGHT_TILT_DEG, UPRIGHT_TURN_DEG = 16.0, 24.0  # above the horizon and to the side, for curved parts
+SPREAD = 0.20  # tangent of half the picture's width: a long lens, little perspective
+KEY_LYING, KEY_UPRIGHT = (-0.46, 0.42, 0.78), (-0.45, 0.5, 0.74)  # towards the light
+LIFT = 2e-4  # of the part's size: start of a secondary ray above its surface
+FILL = 0.84  # share of the frame that the part takes
+GROUND_EXTENT = 60.0  # of the part's size: beyond the picture's edge
+
+
+def write(design: DesignView, path: Path) -> None:
+    """Write the picture; the same part gives the same bytes.
+
+    Raises `KernelError` for a part without a mesh.
+    """
+    import cv2
+
+    image = picture(design, WIDTH_PX, HEIGHT_PX)
+    _, data = cv2.imencode(".png", image[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    path.write_bytes(data.tobytes())
+
+
+def picture(design: DesignView, width: int, height: int) -> NDArray[np.uint8]:
+    """The picture as sRGB (height, width, 3): a flat part lies on the ground, a curved one stands on it."""
+    from .raycast import Look, Scene, picture
+
+    bodies = [design.solid, *design.solid.extras]
+    corners = [body.triangles.vertices[body.triangles.faces] for body in bodies]
+    if not len(corners[0]):
+        raise KernelError(f"{design.solid.name}: a mesh of 0 triangles has no picture; build the solid again")
+    lies = design.placement.is_flat
+    up = np.array([0.0, 0.0, 1.0] if lies else [0.0, 1.0, 0.0])
+    points = np.concatenate(corners).reshape(-1, 3)
+    ground = _ground(points, up)
+    counts = [*map(len, corners), len(ground)]
+    colours = np.repeat([*(body.colour for body in bodies), GROUND], counts, axis=0)
+    scene = Scene(np.concatenate([*corners, ground]), colours)
+    camera = _camera(points, up, lies, width / height)
+    look = Look(up=tuple(up), key_direction=KEY_LYING if lies else KEY_UPRIGHT)
+    shade = picture(scene, camera, look, width, height, lift=LIFT * _size(points))
+    return exposed(_vignette(shade))
+
+
+def _camera(points: NDArray[Any], up: NDArray[Any], lies: bool, aspect: float) -> Camera:
+    from .raycast import Camera
+
+    if lies:
+        tilt, turn = np.radians([TILT_DEG, TURN_DEG])
+        away = np.array([np.sin(tilt) * np.sin(-turn), -np.sin(tilt) * np.cos(turn), np.cos(tilt)])
+        top = np.array([0.0, 1.0, 0.0])
+    else:
+        tilt, turn = np.radians([UPRIGHT_TILT_DEG, UPRIGHT_TURN_DEG])
+        away = np.array([np.sin(turn) * np.cos(tilt), np.sin(tilt), np.cos(turn) * np.cos(tilt)])
+        top = up
+    target = (points.min(axis=0) + points.max(axis=0)) / 2
+    distance = 3.0 * _size(points)
+    for _ in range(12):  # fixed point: centre what is seen, then step back until it fits
+        eye, at, top = (v.astype(np.float32) for v in (target + away * distance, target, top))
+        camera = Camera(eye, at, top, SPREAD)
+        right, above, forward = camera.axes().astype(np.float64)
+        seen = points - camera.eye
+        depth = seen @ forward
+        x, y = seen @ right / depth / SPREAD, seen @ above / depth / SPREAD * aspect
+        off_x, off_y = (x.max() + x.min()) / 2, (y.max() + y.min()) / 2 / aspect
+        target = target + (right * off_x + above * off_y) * SPREAD * distance
+        distance *= max(np.ptp(x), np.ptp(y)) / 2 / FILL
+    return camera
+
+
+def _ground(points: NDArray[Any], up: NDArray[Any]) -> NDArray[Any]:
+    """Two triangles under the part, (2, 3, 3)."""
+    size = _size(points)
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    foot = centre + up * ((points @ up).min() - centre @ up) - up * size * 1e-3
+    along = np.array([1.0, 0.0, 0.0])
+    across = np.cross(up, along)
+    a, b = along * size * GROUND_EXTENT, across * size * GROUND_EXTENT
+    return np.array([[foot - a - b, foot + a - b, foot + a + b], [foot - a - b, foot + a + b, foot - a + b]])
+
+
+def _size(points: NDArray[Any]) -> float:
+    return float(np.ptp(points, axis=0).max())
+
+
+def _vignette(shade: NDArray[Any]) -> NDArray[Any]:
+    """Slightly darker corners, as a lens gives."""
+    height, width = shade.shape[:2]
+    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
+    return shade * (1 - 0.16 * np.minimum(x * x + y * y, 2.0))[..., None]
