@@ -1,0 +1,64 @@
+"""Bars that tie the floating rings of finder and alignment patterns to their surroundings (Fig. 7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from perfqr_cad.pattern.spec import FinderStrategy
+from perfqr_cad.symbol.tables import alignment_centres
+
+# Distance of the bar's middle from the pattern's corner, in modules: over the corner of the light ring, where
+# a scan line through the middle of the pattern does not meet it.
+BAR_OFFSET = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class Ring:
+    """A function pattern of `size` modules whose top left module is (row, column)."""
+
+    row: int
+    column: int
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A bar's centre line in modules of the symbol (x right, y down from its top left), tips included."""
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+
+
+def rings(version: int) -> list[Ring]:
+    """The three finders and all alignment patterns of a version."""
+    last = 17 + 4 * version - 7
+    taken = {(6, 6), (6, last), (last, 6)}
+    centres = alignment_centres(version)
+    finders = [Ring(0, 0, 7), Ring(0, last, 7), Ring(last, 0, 7)]
+    return finders + [Ring(r - 2, c - 2, 5) for r in centres for c in centres if (r, c) not in taken]
+
+
+def bars(version: int, strategy: FinderStrategy) -> list[Bar]:
+    """Bars across the dark ring of every finder and alignment pattern, or across the light one if `inverted`."""
+    return [bar for ring in rings(version) for bar in _BARS[strategy](ring)]
+
+
+def _side_bar(ring: Ring) -> list[Bar]:
+    """One bar across the top side, near the left corner."""
+    x, y = ring.column + BAR_OFFSET, float(ring.row)
+    return [Bar((x, y), (x, y + 1))]
+
+
+def _diagonal_bars(ring: Ring) -> list[Bar]:
+    """The paper's: a 45° bar through each corner of the dark ring."""
+    low_x, low_y = float(ring.column), float(ring.row)
+    high_x, high_y = low_x + ring.size, low_y + ring.size
+    return [
+        Bar((low_x, low_y), (low_x + 1, low_y + 1)),
+        Bar((high_x, low_y), (high_x - 1, low_y + 1)),
+        Bar((low_x, high_y), (low_x + 1, high_y - 1)),
+        Bar((high_x, high_y), (high_x - 1, high_y - 1)),
+    ]
+
+
+_BARS = {"panel": _side_bar, "recessed": _side_bar, "diagonal": _diagonal_bars}
