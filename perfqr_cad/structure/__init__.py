@@ -1,1 +1,38 @@
+"""Strength: Reissner-Mindlin shells, a stress that can be believed, and reinforcement by bridges."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .loads import Finger, Hold, Load, Pressure, Support, Weight
+from .materials import MATERIALS, Material, material
+
+if TYPE_CHECKING:
+    from .analysis import analyse, analyse_region
+    from .field import StressField
+
+__all__ = [
+    "MATERIALS",
+    "Finger",
+    "Hold",
+    "Load",
+    "Material",
+    "Pressure",
+    "StressField",
+    "Support",
+    "Weight",
+    "analyse",
+    "analyse_region",
+    "material",
+]
+
+_HOME = {"analyse": "analysis", "analyse_region": "analysis", "StressField": "field"}
+
+
+def __getattr__(name: str) -> Any:
+    """Modules that need SciPy are loaded when first used."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)

@@ -1,0 +1,97 @@
+"""Direct solvers for symmetric positive definite systems.
+
+CHOLMOD (scikit-sparse 0.4.16 on libsuitesparse) is used where it is installed; SuperLU, which comes with
+SciPy, is the fallback. A field names the one that ran.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import import_module
+from types import ModuleType
+from typing import Any, Protocol
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+from perfqr_cad.errors import AnalysisError
+from perfqr_cad.structure.t6 import Floats
+
+FREE_TO_MOVE = "the part is free to move: hold it on its outer boundary or choose another support"
+
+
+class Factor(Protocol):
+    """A factorised matrix."""
+
+    name: str
+
+    def solve(self, right: Floats) -> Floats:
+        """The solution for one right-hand side (n,) or several (n, k)."""
+        ...
+
+
+class Cholmod:
+    """Sparse Cholesky by CHOLMOD, given the lower triangle."""
+
+    name = "CHOLMOD"
+
+    def __init__(self, lower: sp.csc_matrix) -> None:
+        module = cholmod()
+        assert module is not None
+        try:
+            self._factor: Any = module.cholesky(lower)
+        except module.CholmodNotPositiveDefiniteError as error:
+            raise AnalysisError(FREE_TO_MOVE) from error
+
+    def solve(self, right: Floats) -> Floats:
+        """See `Factor`."""
+        return self._factor(right)
+
+
+class SuperLU:
+    """Sparse LU by SuperLU in its symmetric mode, given the lower triangle."""
+
+    name = "SuperLU"
+
+    def __init__(self, lower: sp.csc_matrix) -> None:
+        strict = sp.tril(lower, -1, format="csc")
+        whole = (strict + strict.T + sp.diags_array(lower.diagonal())).tocsc()
+        try:
+            self._factor: Any = splu(
+                whole, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+            )
+        except RuntimeError as error:  # "Factor is exactly singular"
+            raise AnalysisError(FREE_TO_MOVE) from error
+
+    def solve(self, right: Floats) -> Floats:
+        """See `Factor`."""
+        return self._factor.solve(np.asarray(right))
+
+
+@cache
+def cholmod() -> ModuleType | None:
+    """scikit-sparse's CHOLMOD module, or None where it is not installed."""
+    try:
+        return import_module("sksparse.cholmod")
+    except ImportError:
+        return None
+
+
+def factorise(lower: sp.csc_matrix, solver: str | None = None) -> Factor:
+    """Factorise a symmetric positive definite matrix given by its lower triangle.
+
+    `solver` is "CHOLMOD", "SuperLU" or None for the best one installed.
+
+    Raises:
+        AnalysisError: the matrix is singular, or the solver is not there.
+    """
+    if solver not in (None, Cholmod.name, SuperLU.name):
+        raise AnalysisError(f"solver {solver!r} is unknown; choose {Cholmod.name} or {SuperLU.name}")
+    if solver == SuperLU.name or (solver is None and cholmod() is None):
+        return SuperLU(lower)
+    if cholmod() is None:
+        raise AnalysisError(
+            "CHOLMOD is not installed: pip install scikit-sparse==0.4.16, or leave the solver to choose"
+        )
+    return Cholmod(lower)

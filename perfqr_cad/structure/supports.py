@@ -1,0 +1,77 @@
+"""Which nodes of a mesh a support holds."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from perfqr_cad.errors import AnalysisError
+from perfqr_cad.structure.assembly import Flags
+from perfqr_cad.structure.loads import CORNER_PAD_FRACTION, Hold, Support
+from perfqr_cad.structure.t6 import Ints, Mesh
+
+ON_HULL_FRACTION = 1e-4  # of the part's size: an outline this close to the convex hull lies on it
+
+
+def held_nodes(mesh: Mesh, polygon: Polygon, support: Support) -> Flags:
+    """Flags (n,) of the nodes that are held.
+
+    The held boundary is where the outline lies on its own convex hull: the outer edge of the quiet zone, also
+    of a rounded or round tag, but not the notches that dark modules cut into a frame without quiet zone.
+
+    Raises:
+        AnalysisError: the support touches no material.
+    """
+    if support.hold is Hold.CORNERS:
+        return _in_corner_pads(mesh, polygon, support)
+    edges = _edges_on_hull(mesh, polygon)
+    if support.hold is Hold.TWO_SIDES:
+        edges = _edges_on_sides(mesh, polygon, edges)
+    held = np.zeros(len(mesh.nodes), bool)
+    held[edges] = True
+    return held
+
+
+def _edges_on_hull(mesh: Mesh, polygon: Polygon) -> Ints:
+    hull = shapely.boundary(shapely.convex_hull(polygon))
+    near = ON_HULL_FRACTION * _span(polygon)
+    points = shapely.points(mesh.nodes[mesh.boundary])
+    return mesh.boundary[(shapely.distance(points, hull) < near).all(axis=1)]
+
+
+def _edges_on_sides(mesh: Mesh, polygon: Polygon, edges: Ints) -> Ints:
+    left, _, right, _ = polygon.bounds
+    near = ON_HULL_FRACTION * _span(polygon)
+    x = mesh.nodes[edges, 0]
+    sides = {"left": (x < left + near).all(axis=1), "right": (x > right - near).all(axis=1)}
+    for name, on_side in sides.items():
+        if not on_side.any():
+            where = left if name == "left" else right
+            raise AnalysisError(
+                f"the part touches its {name} support (x = {where:.2f} mm) in no edge:"
+                " square its sides or clamp it all round"
+            )
+    return edges[sides["left"] | sides["right"]]
+
+
+def _in_corner_pads(mesh: Mesh, polygon: Polygon, support: Support) -> Flags:
+    left, bottom, right, top = polygon.bounds
+    pad = support.pad_mm or CORNER_PAD_FRACTION * min(right - left, top - bottom)
+    x, y = mesh.nodes.T
+    held = np.zeros(len(mesh.nodes), bool)
+    for in_x, cx in ((x <= left + pad, left), (x >= right - pad, right)):
+        for in_y, cy in ((y <= bottom + pad, bottom), (y >= top - pad, top)):
+            inside = in_x & in_y
+            if not inside.any():
+                raise AnalysisError(
+                    f"no material on the {pad:.2f} mm corner pad at ({cx:.1f}, {cy:.1f}) mm:"
+                    " make the pads larger or choose another support"
+                )
+            held |= inside
+    return held
+
+
+def _span(polygon: Polygon) -> float:
+    left, bottom, right, top = polygon.bounds
+    return max(right - left, top - bottom)
