@@ -1,0 +1,171 @@
+"""A panel of decoders that cannot hurt us: each call runs in a worker process under a time limit.
+
+A worker that crashes or hangs is a miss for the decoder that held it; it is replaced and the work goes on.
+"""
+
+from __future__ import annotations
+
+import json
+import queue
+import selectors
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from types import TracebackType
+
+import numpy as np
+
+from perfqr_cad.errors import AnalysisError
+from perfqr_cad.scan import decoders
+from perfqr_cad.scan.decoders import Gray
+
+# The paper counts a decoding as successful within 2 s (§6).
+TIME_LIMIT_S = 2.0
+START_LIMIT_S = 60.0  # loading every engine on a busy machine; a worker that needs longer is broken
+Reading = dict[str, tuple[bytes, ...]]
+
+
+class Worker:
+    """One decoder process. `ask` returns () on a miss, a crash and a time-out alike."""
+
+    def __init__(self, names: Sequence[str], time_limit_s: float, command: Sequence[str] | None = None) -> None:
+        self._command = list(command or [sys.executable, "-m", "perfqr_cad.scan.worker", *names])
+        self._time_limit_s = time_limit_s
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def ask(self, decoder: str, image: Gray) -> tuple[bytes, ...]:
+        """Payloads that one decoder reads in one image."""
+        process = self._running()
+        assert process.stdin is not None
+        header = {"decoder": decoder, "height": image.shape[0], "width": image.shape[1]}
+        try:
+            process.stdin.write(json.dumps(header).encode() + b"\n" + image.tobytes())
+            process.stdin.flush()
+        except BrokenPipeError:
+            self.stop()
+            return ()
+        answer = _line_within(process, self._time_limit_s)
+        if answer is None:
+            self.stop()
+            return ()
+        return tuple(bytes.fromhex(payload) for payload in json.loads(answer))
+
+    def _running(self) -> subprocess.Popen[bytes]:
+        if self._process is None:
+            self._process = subprocess.Popen(
+                self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+            )
+            if _line_within(self._process, START_LIMIT_S) != b"ready\n":
+                self.stop()
+                raise AnalysisError(
+                    f"the decoder process did not start within {START_LIMIT_S:g} s: "
+                    "check that zxing-cpp, pyzbar (with the zbar library) and OpenCV import"
+                )
+        return self._process
+
+    def stop(self) -> None:
+        """End the process, whatever it is doing."""
+        if self._process is None:
+            return
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                try:
+                    pipe.close()
+                except BrokenPipeError:  # unsent bytes of the request that was cut short
+                    pass
+        self._process = None
+
+
+def _line_within(process: subprocess.Popen[bytes], limit_s: float) -> bytes | None:
+    """The next line of output, or None when the process ends or the time is over."""
+    assert process.stdout is not None
+    with selectors.DefaultSelector() as selector:
+        selector.register(process.stdout, selectors.EVENT_READ)
+        if not selector.select(limit_s):
+            return None
+    return process.stdout.readline() or None
+
+
+class Panel:
+    """Decoders by name behind worker processes. Use it as a context manager, or call `close`."""
+
+    def __init__(
+        self, names: Sequence[str] | None = None, *, time_limit_s: float = TIME_LIMIT_S, workers: int = 2
+    ) -> None:
+        """`names` defaults to every engine present. AnalysisError if a name is unknown or absent."""
+        present = decoders.available()
+        missing = [name for name in names or () if name not in present]
+        if missing:
+            raise AnalysisError(f"decoder {missing[0]} is not available: choose from {', '.join(present)}")
+        self.names = tuple(names) if names is not None else present
+        self._workers = [Worker(self.names, time_limit_s) for _ in range(workers)]
+
+    def read(self, image: Gray) -> Reading:
+        """What each decoder reads in one image (H, W) uint8."""
+        return self.read_all([image])[0]
+
+    def read_all(
+        self,
+        images: Sequence[Gray],
+        *,
+        names: Sequence[Sequence[str]] | None = None,
+        progress: Callable[[int], None] | None = None,
+    ) -> list[Reading]:
+        """What each decoder reads in each image; `progress(n)` is told how many images are done.
+
+        `names` says which decoders see which image; all of them by default.
+        """
+        for image in images:
+            if image.dtype != np.uint8 or image.ndim != 2:
+                raise ValueError(f"the panel reads gray uint8 images, not {image.dtype} of shape {image.shape}")
+        tasks: queue.SimpleQueue[int] = queue.SimpleQueue()
+        for index in range(len(images)):
+            tasks.put(index)
+        readings: list[Reading] = [{} for _ in images]
+        failures: list[AnalysisError] = []
+        lock = threading.Lock()
+        done = 0
+
+        def work(worker: Worker) -> None:
+            nonlocal done
+            while not failures:
+                try:
+                    index = tasks.get_nowait()
+                except queue.Empty:
+                    return
+                image = np.ascontiguousarray(images[index])
+                try:
+                    asked = self.names if names is None else names[index]
+                    readings[index] = {name: worker.ask(name, image) for name in asked}
+                except AnalysisError as failure:
+                    failures.append(failure)
+                    return
+                with lock:
+                    done += 1
+                    if progress is not None:
+                        progress(done)
+
+        threads = [threading.Thread(target=work, args=(w,)) for w in self._workers[: len(images)]]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        if failures:
+            raise failures[0]
+        return readings
+
+    def close(self) -> None:
+        """End the worker processes."""
+        for worker in self._workers:
+            worker.stop()
+
+    def __enter__(self) -> Panel:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

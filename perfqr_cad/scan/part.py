@@ -1,0 +1,72 @@
+"""The part that is filmed: its triangles in the frame of the code that it carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perfqr_cad.errors import KernelError
+from perfqr_cad.scan.camera import Target
+from perfqr_cad.surface import Placement, Triangles
+
+
+@dataclass(frozen=True)
+class Part:
+    """Vertices (k, 3) mm and faces (m, 3) of a closed mesh, the code it shows, and whether it is a plate."""
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    target: Target
+    flat: bool
+
+    def in_frame(self) -> NDArray[np.float64]:
+        """Vertices (k, 3) with the code's centre as origin and its normal as z."""
+        return (self.vertices - self.target.centre_mm) @ self.target.axes.T
+
+
+def place(triangles: Triangles, placement: Placement | None = None, *, edge_mm: float | None = None) -> Part:
+    """The part in front of the camera.
+
+    Without a placement the code is taken to lie on the top (largest z) of the mesh, centred on its
+    bounding box, with the reader above; `edge_mm` is then the longer side of that box.
+    """
+    vertices = np.asarray(triangles.vertices, np.float64)
+    faces = np.asarray(triangles.faces, np.int64)
+    if len(faces) == 0:
+        raise KernelError("the part has 0 triangles: at least 4 make a solid, so check how it was meshed")
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    if placement is None:
+        centre, axes = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]]), np.eye(3)
+    else:
+        origin = np.zeros((1, 2))
+        centre, axes = placement.point(origin)[0], placement.frame(origin)[0]
+    edge = edge_mm if edge_mm is not None else float((high - low)[:2].max())
+    target = Target(centre, axes, edge)
+    flat = placement.is_flat if placement is not None else _is_plate(vertices)
+    return Part(vertices, faces, target, flat)
+
+
+def _is_plate(vertices: NDArray[np.float64]) -> bool:
+    """A mesh is filmed as a plate when nothing of it but walls lies between a few levels."""
+    levels = np.unique(np.round(vertices[:, 2], 4))
+    span = np.ptp(vertices, axis=0)
+    return len(levels) <= 8 and span[2] < 0.25 * max(span[0], span[1])
+
+
+def load_mesh(path: Path | str) -> Triangles:
+    """Triangles of an .stl, .3mf, .ply, .obj or .off file. KernelError if it cannot be read."""
+    import trimesh
+
+    path = Path(path)
+    if not path.is_file():
+        raise KernelError(f"{path} does not exist: give the path of a written part")
+    try:
+        loaded = trimesh.load(path, force="mesh")
+    except (ValueError, KeyError, IndexError, OSError, NotImplementedError) as error:
+        raise KernelError(f"{path} is not a mesh that can be read ({error}): write it again as .stl") from error
+    if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
+        raise KernelError(f"{path} holds 0 triangles: write it again as .stl")
+    return Triangles(np.asarray(loaded.vertices, np.float64), np.asarray(loaded.faces, np.int64))

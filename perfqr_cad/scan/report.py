@@ -1,0 +1,107 @@
+"""What the panel saw: per decoder and tilt, for the part and for the flat print of the same code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class DecoderResult:
+    """One decoder's success by tilt: rates over the azimuths, 0 to 1, for part and flat print."""
+
+    name: str
+    tilts_deg: tuple[float, ...]
+    rates: tuple[float, ...]
+    flat_rates: tuple[float, ...]
+
+    @property
+    def frontal(self) -> bool:
+        """Whether it reads the part from straight above."""
+        return self.rates[0] > 0
+
+    @property
+    def flat_frontal(self) -> bool:
+        """Whether it reads the flat print from straight above."""
+        return self.flat_rates[0] > 0
+
+    @property
+    def max_tilt_deg(self) -> float | None:
+        """The largest tilt up to which it reads the part from every azimuth; None if not even frontally."""
+        return _limit(self.tilts_deg, self.rates)
+
+    @property
+    def flat_max_tilt_deg(self) -> float | None:
+        """The same for the flat print: the ceiling of what a part can reach."""
+        return _limit(self.tilts_deg, self.flat_rates)
+
+
+def _limit(tilts: tuple[float, ...], rates: tuple[float, ...]) -> float | None:
+    reached = None
+    for tilt, rate in zip(tilts, rates, strict=True):
+        if rate < 1:
+            break
+        reached = tilt
+    return reached
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A view worth a look: its picture, where it was taken from, and who read it."""
+
+    picture: NDArray[np.uint8] = field(repr=False)
+    tilt_deg: float
+    azimuth_deg: float
+    read_by: tuple[str, ...]
+    missed_by: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ScanReport:
+    """Decoders by tilt and by background, the telling views, and advice in plain sentences."""
+
+    decoders: dict[str, DecoderResult]
+    backgrounds: dict[str, float]
+    worst_read: Sight | None = None
+    first_missed: Sight | None = None
+    advice: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def readers(self) -> tuple[str, ...]:
+        """Decoders that read the exact payload from straight above."""
+        return tuple(name for name, result in self.decoders.items() if result.frontal)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The certificate's section."""
+        return {
+            "decoders": {
+                name: {
+                    "frontal": result.frontal,
+                    "max_tilt_deg": result.max_tilt_deg,
+                    "flat_frontal": result.flat_frontal,
+                    "flat_max_tilt_deg": result.flat_max_tilt_deg,
+                    "rates": {f"{t:g}": round(r, 4) for t, r in zip(result.tilts_deg, result.rates, strict=True)},
+                }
+                for name, result in self.decoders.items()
+            },
+            "backgrounds": {name: round(rate, 4) for name, rate in self.backgrounds.items()},
+            "advice": list(self.advice),
+            "warnings": list(self.warnings),
+        }
+
+    def render(self) -> str:
+        """The report as plain text."""
+        from perfqr_cad.table import Table
+
+        tilts = next(iter(self.decoders.values())).tilts_deg if self.decoders else ()
+        rows = [
+            (name, *(f"{rate:.0%}" for rate in result.rates), result.max_tilt_deg, result.flat_max_tilt_deg)
+            for name, result in self.decoders.items()
+        ]
+        columns = ("decoder", *(f"{tilt:g}°" for tilt in tilts), "part to", "flat print to")
+        seen = [f"on {name}: {rate:.0%}" for name, rate in self.backgrounds.items()]
+        return Table("Views read, by tilt", columns, tuple(rows), (*seen, *self.warnings, *self.advice)).render()

@@ -1,0 +1,129 @@
+"""A plate as a stack of sections: how much of every pixel is material, at several depths.
+
+A section of a closed mesh is the set of directed segments in which its triangles cut a plane; its
+picture is the exact area of material in each pixel, by the signed-area sum used for glyphs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+# Sections are cut this far inside the end faces, as a part of the thickness: a cut through a face is undefined.
+END_INSET = 1e-4
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Sections of a plate, front first.
+
+    material   (K, n, n) float32 in [0, 1], row 0 at the top (largest y)
+    depth_mm   (K,) below the front face, increasing
+    edge_mm    edge of the square that the pictures cover, centred on the target
+    """
+
+    material: NDArray[np.float32]
+    depth_mm: Floats
+    edge_mm: float
+
+    @property
+    def px_per_mm(self) -> float:
+        """Resolution of the pictures."""
+        return self.material.shape[1] / self.edge_mm
+
+    def to_plane(self) -> Floats:
+        """(3, 3) from picture pixels (centres at whole numbers) to (x, y) in mm."""
+        step, n = self.edge_mm / self.material.shape[1], self.material.shape[1]
+        first = (n - 1) / 2 * step
+        return np.array([[step, 0, -first], [0, -step, first], [0, 0, 1.0]])
+
+
+def cut(vertices: Floats, faces: NDArray[np.integer], height: float) -> Floats:
+    """Directed segments (s, 2, 2) in which the plane z = `height` cuts the mesh, material on their left.
+
+    vertices (k, 3), faces (m, 3) closed and oriented outward.
+    """
+    above = vertices[:, 2] > height
+    count = above[faces].sum(axis=1)
+    crossed = faces[(count == 1) | (count == 2)]
+    if len(crossed) == 0:
+        return np.zeros((0, 2, 2))
+    side = above[crossed]
+    # Turn each triangle so that its first vertex is the one alone on its side of the plane.
+    alone = np.where(side.sum(axis=1) == 1, side.argmax(axis=1), (~side).argmax(axis=1))
+    turned = np.take_along_axis(crossed, (alone[:, None] + np.arange(3)) % 3, axis=1)
+    corner = vertices[turned]
+
+    def crossing(other: int) -> Floats:
+        start, end = corner[:, 0], corner[:, other]
+        part = (height - start[:, 2]) / (end[:, 2] - start[:, 2])
+        return (start + part[:, None] * (end - start))[:, :2]
+
+    segments = np.stack([crossing(1), crossing(2)], axis=1)
+    lone_above = above[turned[:, 0]]
+    segments[lone_above] = segments[lone_above][:, ::-1]
+    return segments
+
+
+def area(segments: Floats, shape: tuple[int, int]) -> NDArray[np.float32]:
+    """Exact area (H, W) in [0, 1] that directed loops, given as segments in pixels, cover of each pixel.
+
+    Pixel (row, column) is the square [column, column + 1] x [row, row + 1]; a loop that runs
+    clockwise on the screen (y down) counts as positive or negative alike: the result is |area|.
+    """
+    height, width = shape
+    pieces = _split(_split(segments, axis=1), axis=0)
+    middle = pieces.mean(axis=1)
+    row = np.floor(middle[:, 1]).astype(np.int64)
+    column = np.clip(np.floor(middle[:, 0]), -1, width).astype(np.int64)
+    rise = pieces[:, 1, 1] - pieces[:, 0, 1]
+    inside = (row >= 0) & (row < height) & (rise != 0)
+    row, column, rise, x = row[inside], column[inside], rise[inside], middle[inside, 0]
+    right = np.clip(x - column, 0.0, 1.0)
+    # Two guard columns take what lies left and right of the picture.
+    start = row * (width + 3) + column + 1
+    size = height * (width + 3)
+    sums = np.bincount(start, rise * (1 - right), size) + np.bincount(start + 1, rise * right, size)
+    covered = np.abs(np.cumsum(sums.reshape(height, width + 3), axis=1))[:, 1 : width + 1]
+    return np.clip(covered, 0.0, 1.0).astype(np.float32)
+
+
+def _split(segments: Floats, axis: int) -> Floats:
+    """Cut segments (s, 2, 2) wherever the coordinate `axis` passes a whole number."""
+    start, end = segments[:, 0], segments[:, 1]
+    low = np.minimum(start[:, axis], end[:, axis])
+    high = np.maximum(start[:, axis], end[:, axis])
+    first = np.floor(low) + 1
+    cuts = np.maximum(np.ceil(high) - first, 0).astype(np.int64)
+    owner = np.repeat(np.arange(len(segments)), cuts + 1)
+    order = np.arange(len(owner)) - np.repeat(np.cumsum(cuts + 1) - (cuts + 1), cuts + 1)
+    span = np.where(high > low, high - low, 1.0)
+    lower = np.where(order > 0, (first[owner] + order - 1 - low[owner]) / span[owner], 0.0)
+    upper = np.where(order < cuts[owner], (first[owner] + order - low[owner]) / span[owner], 1.0)
+    flip = start[owner, axis] > end[owner, axis]
+    begin = np.where(flip, 1 - upper, lower)[:, None]
+    finish = np.where(flip, 1 - lower, upper)[:, None]
+    step = end[owner] - start[owner]
+    return np.stack([start[owner] + begin * step, start[owner] + finish * step], axis=1)
+
+
+def stack(
+    vertices: Floats, faces: NDArray[np.integer], *, edge_mm: float, layers: int, pixels: int
+) -> Stack:
+    """Sections of a plate between its lowest and highest z.
+
+    vertices (k, 3) mm in the target's frame: x right, y up, z towards the reader.
+    """
+    top, bottom = float(vertices[:, 2].max()), float(vertices[:, 2].min())
+    inset = END_INSET * (top - bottom)
+    heights = np.linspace(top - inset, bottom + inset, layers)
+    scale = pixels / edge_mm
+    material = np.empty((layers, pixels, pixels), np.float32)
+    for k, height in enumerate(heights):
+        segments = cut(vertices, faces, float(height)) * [scale, -scale] + pixels / 2
+        material[k] = area(segments, (pixels, pixels))
+    material.setflags(write=False)
+    return Stack(material, np.linspace(0.0, top - bottom, layers), edge_mm)
