@@ -2,7 +2,7 @@
 
 from perfqr_cad.symbol.drawing import Symbol, deinterleave, draw, extract
 from perfqr_cad.symbol.encoding import encode, free_codewords, interleave, with_best_mask, with_pads
-from perfqr_cad.symbol.format import FormatInfo, format_candidates, format_word, read_format
+from perfqr_cad.symbol.format import FormatInfo, format_candidates, format_word, read_format, read_version
 from perfqr_cad.symbol.layout import Layout, Role, layout
 from perfqr_cad.symbol.masks import mask_pattern, penalty
 from perfqr_cad.symbol.matrix import Matrix
@@ -41,6 +41,7 @@ __all__ = [
     "payload_of",
     "penalty",
     "read_format",
+    "read_version",
     "readability",
     "recover",
     "size_of",

@@ -79,6 +79,6 @@ def extract(matrix: Matrix, level: Level, mask: int) -> bytes:
 
 def deinterleave(symbol: Symbol) -> tuple[bytes, ...]:
     """Codewords by block: data, then error correction (§7.6 undone)."""
-    at = layout(symbol.version, symbol.level)
     placed = np.frombuffer(symbol.codewords, np.uint8)
-    return tuple(placed[at.codewords_of_block(block)].tobytes() for block in range(symbol.blocks.count))
+    groups = layout(symbol.version, symbol.level).groups
+    return tuple(word.tobytes() for group in groups for word in placed[group])

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import cycle, islice
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -30,6 +29,9 @@ from perfqr_cad.symbol.tables import (
 PAD_CODEWORDS: Final = b"\xec\x11"  # §7.4.10, alternately
 TERMINATOR_BITS: Final = 4
 
+TextMode = Literal["numeric", "alphanumeric", "byte", "kanji"]
+_TEXT_MODES: Final[tuple[TextMode, ...]] = ("numeric", "alphanumeric", "byte")  # shortest first
+
 
 def encode(
     text: str | bytes,
@@ -38,7 +40,8 @@ def encode(
     level: Level = "M",
     mask: int | None = None,
     boost: bool = False,
-    eci: bool = False,
+    mode: TextMode | None = None,
+    eci: bool = True,
     pads: bytes | None = None,
 ) -> Symbol:
     """The symbol of a text, or of bytes as they are.
@@ -46,15 +49,16 @@ def encode(
     version  1-40; None takes the smallest that fits
     level    error correction level; `boost` raises it as far as the version permits
     mask     0-7; None takes the one with the least penalty (§7.8.3)
-    eci      writes an ECI designator (26) before text that is not ASCII
+    mode     None takes the first of numeric, alphanumeric and byte that can hold the text
+    eci      labels text that is not ASCII as UTF-8 (ECI 26); without the label zbar takes it for Shift-JIS
     pads     codewords to put after the terminator instead of 0xEC, 0x11, …, as many as `free_codewords` says
 
-    Digits and upper-case text use the numeric and alphanumeric modes, text wholly of Shift-JIS double-byte
-    characters the kanji mode, all other text UTF-8 bytes. SymbolError when the message does not fit; it
-    names the capacity and the smallest version or the level that fits.
+    Text in byte mode is UTF-8; bytes stay as they are. Kanji mode must be asked for: it is the shortest
+    for Japanese text, but OpenCV and WeChat hand out its Shift-JIS as if it were UTF-8. SymbolError when
+    the message is empty or does not fit; it names the capacity and the version or level that fits.
     """
     level = check_level(level)
-    segments = _segments(text)
+    segments = _segments(text, mode)
     version = _fitting_version(segments, version, level, eci)
     if boost:
         level = next(k for k in reversed(LEVELS) if _length(segments, version, eci) <= _capacity(version, k))
@@ -67,17 +71,14 @@ def encode(
 
 def interleave(data: bytes, version: int, level: Level) -> bytes:
     """All codewords in placed order: `data` split into blocks, error correction added (§7.5, §7.6)."""
-    structure = blocks(version, level)
-    placed = np.empty(structure.codewords, np.uint8)
     at = layout(version, level)
-    starts = np.concatenate([[0], np.cumsum(structure.data)])
+    ec = at.blocks.ec
     words = np.frombuffer(data, np.uint8)
-    for length in sorted(set(structure.data)):
-        members = [k for k, count in enumerate(structure.data) if count == length]
-        block_data = np.stack([words[starts[k] : starts[k] + length] for k in members])
-        full = np.hstack([block_data, parity(block_data, structure.ec)])
-        for k, word in zip(members, full, strict=True):
-            placed[at.codewords_of_block(k)] = word
+    placed = np.empty(at.blocks.codewords, np.uint8)
+    for group in at.groups:
+        count, length = group.shape[0], group.shape[1] - ec
+        block_data, words = words[: count * length].reshape(count, length), words[count * length :]
+        placed[group] = np.hstack([block_data, parity(block_data, ec)])
     return placed.tobytes()
 
 
@@ -110,28 +111,42 @@ def _check_pads(pads: bytes, free: int) -> int:
     return free
 
 
-def _segments(text: str | bytes) -> Any:
-    """segno's segments of a message (segno has no stubs for its encoder)."""
+def _segments(text: str | bytes, mode: TextMode | None) -> Any:
+    """segno's segments of a message (its encoder module is untyped)."""
     from segno import consts, encoder
 
-    data = text.encode("utf-8") if isinstance(text, str) else bytes(text)
-    plain = data.isdigit() or all(chr(byte) in ALPHANUMERIC for byte in data)
-    if data and plain:
-        return encoder.prepare_data(data, None, None)
-    if isinstance(text, str) and (japanese := _kanji(text)) is not None:
-        return encoder.prepare_data(japanese, consts.MODE_KANJI, None)
-    return encoder.prepare_data(data, consts.MODE_BYTE, "utf-8" if not data.isascii() else None)
+    data = _utf8(text) if isinstance(text, str) else text
+    if not data:
+        raise SymbolError("the text is empty: give at least one character")
+    encoding = "utf-8" if isinstance(text, str) and not data.isascii() else None
+    if mode is None:
+        mode = next(name for name in _TEXT_MODES if _holds(name, data))
+    elif mode == "kanji" and isinstance(text, str):
+        data = text.encode("shift_jis", errors="replace")  # "?" is no kanji
+    if not _holds(mode, data):
+        raise SymbolError(f"{mode} mode cannot hold {text!r:.40}: leave the mode open")
+    return encoder.prepare_data(data, consts.MODE_MAPPING[mode], encoding)
 
 
-def _kanji(text: str) -> bytes | None:
-    """Shift-JIS bytes when every character is one of the kanji mode, else None."""
+def _utf8(text: str) -> bytes:
+    try:
+        return text.encode("utf-8")
+    except UnicodeEncodeError as error:
+        raise SymbolError(
+            f"character {error.start + 1} of the text, U+{ord(text[error.start]):04X}, is half of a surrogate"
+            " pair and has no UTF-8 form: remove it"
+        ) from error
+
+
+def _holds(mode: TextMode, data: bytes) -> bool:
+    """Whether a mode can encode these bytes (§7.3)."""
     from segno import encoder
 
-    try:
-        data = text.encode("shift_jis")
-    except UnicodeEncodeError:
-        return None
-    return data if encoder.is_kanji(data) else None
+    if mode == "numeric":
+        return data.isdigit()
+    if mode == "alphanumeric":
+        return all(chr(byte) in ALPHANUMERIC for byte in data)
+    return mode == "byte" or encoder.is_kanji(data)
 
 
 def _capacity(version: int, level: Level) -> int:
@@ -183,8 +198,4 @@ def _message(segments: Any, version: int, level: Level, eci: bool, pads: bytes |
     free = capacity // CODEWORD_BITS - len(data)
     if pads is not None:
         _check_pads(pads, free)
-    return data + bytes(islice(_standard_pads() if pads is None else iter(pads), free))
-
-
-def _standard_pads() -> Iterator[int]:
-    return cycle(PAD_CODEWORDS)
+    return data + (bytes(islice(cycle(PAD_CODEWORDS), free)) if pads is None else pads)

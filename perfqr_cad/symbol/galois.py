@@ -58,9 +58,6 @@ def parity(data: ByteArray, ec: int) -> ByteArray:
     return rest
 
 
-def syndromes(words: ByteArray, ec: int) -> ByteArray:
-    """Values (b, ec) of b received words (b, n) at α⁰ … α^(ec−1); all zero for a valid word."""
-    length = words.shape[1]
-    power = np.arange(length - 1, -1, -1)[:, None] * np.arange(ec)[None, :] % ORDER
-    terms = multiply(words[:, :, None], EXP[power][None])
-    return np.bitwise_xor.reduce(terms, axis=1)
+def valid(words: ByteArray, ec: int) -> NDArray[np.bool_]:
+    """(b,) whether each of b words (b, n) is valid: its last `ec` bytes are the parity of the others."""
+    return (parity(words[:, :-ec], ec) == words[:, -ec:]).all(axis=1)

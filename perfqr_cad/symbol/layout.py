@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,8 @@ class Layout:
     place_in_block (C,)    its index in that block: data codewords first, then error correction
     format_modules (2, 15, 2)  copy, bit (0 = least significant), row and column
     version_modules (2, 18, 2) the same for version information; (2, 0, 2) below version 7
+
+    `groups` and `codewords_of_block` are the way back from blocks to codewords.
     """
 
     version: int
@@ -95,10 +97,25 @@ class Layout:
         """(n, n) block of each module, −1 for modules outside the codewords."""
         return np.where(self.codeword_of >= 0, self.block_of_codeword[self.codeword_of], -1).astype(np.int32)
 
+    @cached_property
+    def groups(self) -> tuple[IntArray, ...]:
+        """Short blocks, then long ones if any: (b, n) placed indices of b blocks of n codewords.
+
+        Rows are in the order of the blocks, columns in the block's own order: data, then error correction.
+        """
+        order = np.lexsort((self.place_in_block, self.block_of_codeword)).astype(np.int32)
+        short = min(self.blocks.data)
+        count = self.blocks.data.count(short)
+        split = count * (short + self.blocks.ec)
+        groups = [order[:split].reshape(count, -1)]
+        if count < self.blocks.count:
+            groups.append(order[split:].reshape(self.blocks.count - count, -1))
+        return tuple(read_only(group) for group in groups)
+
     def codewords_of_block(self, block: int) -> IntArray:
         """Placed indices of a block's codewords, in the block's own order."""
-        members = np.flatnonzero(self.block_of_codeword == block).astype(np.int32)
-        return members[np.argsort(self.place_in_block[members])]
+        short = len(self.groups[0])
+        return self.groups[0][block] if block < short else self.groups[1][block - short]
 
 
 @cache

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import SymbolError
 from perfqr_cad.symbol.drawing import Symbol, extract
 from perfqr_cad.symbol.format import FormatInfo, format_candidates
-from perfqr_cad.symbol.galois import PRIMITIVE, ByteArray, parity
+from perfqr_cad.symbol.galois import PRIMITIVE, ByteArray, valid
 from perfqr_cad.symbol.layout import Layout, layout
 from perfqr_cad.symbol.matrix import Matrix
 from perfqr_cad.symbol.payload import Payload, payload_of
@@ -27,6 +27,8 @@ FloatArray = NDArray[np.floating]
 # Chance that random codewords pass as correctable. Without erasures the least protected symbol of Table 9,
 # 2-L with r = 4, comes to 5e-10; erasures may not make it worse than this.
 MISDECODE_LIMIT: Final = 1e-9
+
+_BLOCKS_NAMED: Final = 8  # in a message
 
 
 @dataclass(frozen=True)
@@ -76,61 +78,94 @@ def _recover_as(info: FormatInfo, observed: Matrix, log_likelihood: FloatArray |
     """Recovery under one reading of the format information."""
     at = layout(observed.version, info.level)
     placed = np.frombuffer(extract(observed, info.level, info.mask), np.uint8)
-    doubt = None if log_likelihood is None else _doubt(at, log_likelihood)
     corrected = placed.copy()
-    erasures: list[int] = []
-    failed: list[int] = []
-    for block in range(at.blocks.count):
-        members = at.codewords_of_block(block)
-        order = [] if doubt is None else np.argsort(-doubt[members], kind="stable").tolist()
-        found = correct_block(placed[members], at.blocks, order)
-        if found is None:
-            failed.append(block)
-        else:
-            corrected[members], erased = found
-            erasures.append(erased)
-    if failed:
+    erasures = [0] * at.blocks.count
+    failed = _correct_errors(corrected, at)
+    if failed and log_likelihood is None:
         raise SymbolError(_beyond(failed, at.blocks, info))
+    if failed and log_likelihood is not None:
+        doubt = _doubt(at, log_likelihood)
+        for block in failed:
+            members = at.codewords_of_block(block)
+            order: list[int] = np.argsort(-doubt[members], kind="stable").tolist()
+            found = _correct_erased(placed[members], at.blocks, order)
+            if found is None:
+                raise SymbolError(_beyond(failed, at.blocks, info))
+            corrected[members], erasures[block] = found
     symbol = Symbol(observed.version, info.level, info.mask, corrected.tobytes())
     errors = np.bincount(at.block_of_codeword[placed != corrected], minlength=at.blocks.count)
-    capacity = (at.blocks.capacity,) * at.blocks.count
     return Recovery(
-        observed, symbol, tuple(int(e) for e in errors), capacity, tuple(erasures), payload_of(symbol)
+        observed=observed,
+        symbol=symbol,
+        errors=tuple(errors.tolist()),
+        capacity=(at.blocks.capacity,) * at.blocks.count,
+        erasures=tuple(erasures),
+        payload=payload_of(symbol),
     )
 
 
-def _beyond(failed: list[int], structure: Blocks, info: FormatInfo) -> str:
-    names = ", ".join(str(block + 1) for block in failed)
-    return (
-        f"damaged beyond repair: more than {structure.capacity} of {structure.data[failed[0]] + structure.ec}"
-        f" codewords are wrong in block {names} of {structure.count} (level {info.level}, capacity"
-        f" {structure.capacity} a block): restore the modules or take a clearer picture"
-    )
+def _correct_errors(placed: ByteArray, at: Layout) -> list[int]:
+    """Corrects blocks with up to r errors in place; returns the numbers of the others."""
+    failed: list[int] = []
+    for group, first in zip(at.groups, (0, len(at.groups[0])), strict=False):
+        for row in np.flatnonzero(~valid(placed[group], at.blocks.ec)).tolist():
+            found = _decode(placed[group[row]], at.blocks, [])
+            if found is None:
+                failed.append(first + row)
+            else:
+                placed[group[row]] = found
+    return failed
+
+
+def _correct_erased(word: ByteArray, structure: Blocks, order: list[int]) -> tuple[ByteArray, int] | None:
+    """A block corrected after erasing its 2, 4, … most doubtful codewords, and their number; or None.
+
+    Forney's generalised minimum distance decoding: the smallest set that gives a trustworthy word wins.
+    """
+    for erased in range(2, structure.ec, 2):
+        found = _decode(word, structure, order[:erased])
+        if found is not None:
+            return found, erased
+    return None
+
+
+def _decode(word: ByteArray, structure: Blocks, erased: list[int]) -> ByteArray | None:
+    """The valid word nearest to this one, or None when there is none that can be trusted."""
+    reedsolo = _reedsolo()
+    try:
+        data, check, _ = reedsolo.rs_correct_msg(bytearray(word.tobytes()), structure.ec, erase_pos=erased)
+    except reedsolo.ReedSolomonError:
+        return None
+    found = np.frombuffer(bytes(data + check), np.uint8)
+    errors = int(np.count_nonzero(np.delete(found != word, erased)))
+    chance = misdecode_chance(len(word), structure.ec, len(erased), errors)
+    trusted = errors <= structure.capacity and chance <= MISDECODE_LIMIT
+    return found if trusted and bool(valid(found[None], structure.ec)[0]) else None
+
+
+@cache
+def _reedsolo() -> Any:
+    """reedsolo with the tables of this field."""
+    import reedsolo
+
+    reedsolo.init_tables(prim=PRIMITIVE)
+    return reedsolo
 
 
 def _doubt(at: Layout, log_likelihood: FloatArray) -> FloatArray:
     """(C,) expected wrong bits of each codeword: Σ P(module misread) = Σ 1/(1 + e^|ℓ|)."""
     certainty = np.abs(log_likelihood[at.modules[..., 0], at.modules[..., 1]])
-    return np.sum(1.0 / (1.0 + np.exp(np.minimum(certainty, 700.0))), axis=1)
+    return np.sum(np.exp(-np.logaddexp(0.0, certainty)), axis=1)
 
 
-def correct_block(word: ByteArray, structure: Blocks, doubtful: list[int]) -> tuple[ByteArray, int] | None:
-    """A block corrected, and the number of erasures that it took; None when it cannot be.
-
-    Plain decoding of up to r errors first; then, after Forney's generalised minimum distance, the
-    2, 4, … most doubtful codewords are erased, as long as chance could not have made the result.
-    """
-    if not _syndrome(word, structure.ec):
-        return word, 0
-    for erased in range(0, min(len(doubtful), structure.ec) + 1, 2):
-        corrected = _decode(word, structure.ec, doubtful[:erased])
-        if corrected is None:
-            continue
-        errors = int(np.count_nonzero(np.delete(corrected != word, doubtful[:erased])))
-        chance = misdecode_chance(len(word), structure.ec, erased, errors)
-        if errors <= structure.capacity and chance <= MISDECODE_LIMIT:
-            return corrected, erased
-    return None
+def _beyond(failed: list[int], structure: Blocks, info: FormatInfo) -> str:
+    names = ", ".join(str(block + 1) for block in failed[:_BLOCKS_NAMED])
+    names += ", …" if len(failed) > _BLOCKS_NAMED else ""
+    return (
+        f"damaged beyond repair: {len(failed)} of {structure.count} blocks ({names}) have more than"
+        f" {structure.capacity} wrong codewords, a block of level {info.level} can bear {structure.capacity}:"
+        " restore the modules or take a clearer picture"
+    )
 
 
 def misdecode_chance(length: int, ec: int, erased: int, errors: int) -> float:
@@ -140,27 +175,3 @@ def misdecode_chance(length: int, ec: int, erased: int, errors: int) -> float:
     in 256^(ec − erased) is valid.
     """
     return comb(length - erased, errors) * 255.0**errors / 256.0 ** (ec - erased)
-
-
-def _syndrome(word: ByteArray, ec: int) -> bool:
-    return bool(np.any(parity(word[None, :-ec], ec)[0] != word[-ec:]))
-
-
-@cache
-def _decoder() -> Any:
-    """reedsolo with the tables of this field."""
-    import reedsolo
-
-    reedsolo.init_tables(prim=PRIMITIVE)
-    return reedsolo
-
-
-def _decode(word: ByteArray, ec: int, erased: list[int]) -> ByteArray | None:
-    """The valid word nearest to this one, or None."""
-    reedsolo = _decoder()
-    try:
-        data, check, _ = reedsolo.rs_correct_msg(bytearray(word.tobytes()), ec, erase_pos=erased)
-    except reedsolo.ReedSolomonError:
-        return None
-    corrected = np.frombuffer(bytes(data + check), np.uint8)
-    return None if _syndrome(corrected, ec) else corrected

@@ -28,7 +28,7 @@ def test_text_too_long_names_length_capacity_and_remedies() -> None:
         ({"version": 0}, "version 0 does not exist"),
         ({"level": "X"}, "level 'X' does not exist"),
         ({"mask": 8}, "mask 8 does not exist"),
-        ({"pads": b"\x00"}, "1 pad codewords given, 9 are free"),
+        ({"pads": b"\x00"}, "1 pad codewords given, 10 are free"),
     ],
 )
 def test_absurd_settings_are_refused(arguments: dict, message: str) -> None:
