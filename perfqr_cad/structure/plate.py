@@ -1,7 +1,8 @@
 """The flat Reissner-Mindlin plate on six-node triangles.
 
-Unknowns: the deflection w and the rotations (βx, βy) of the normal. Shear strain is ∇w - β; positive w is along the normal. Three-point integration of all terms leaves the
-element free of shear locking and just of full rank (15 strains for 18 unknowns less 3 rigid motions).
+Unknowns: the deflection w, positive along the normal, and the rotations (βx, βy) of the normal; shear strain
+is ∇w - β. Three-point integration of all terms leaves the element free of shear locking and just of full rank
+(15 strains for 18 unknowns less 3 rigid motions).
 
 Straight edges make every stiffness term a product of entries of the inverse Jacobian and constants of the
 reference triangle, so all element matrices come from one matrix product.

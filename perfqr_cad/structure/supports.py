@@ -36,8 +36,8 @@ def held_nodes(mesh: Mesh, polygon: Polygon, support: Support) -> Flags:
 def _edges_on_hull(mesh: Mesh, polygon: Polygon) -> Ints:
     hull = shapely.boundary(shapely.convex_hull(polygon))
     near = ON_HULL_FRACTION * _span(polygon)
-    points = shapely.points(mesh.nodes[mesh.boundary])
-    return mesh.boundary[(shapely.distance(points, hull) < near).all(axis=1)]
+    distance = np.asarray(shapely.distance(shapely.points(mesh.nodes[mesh.boundary]), hull))
+    return mesh.boundary[(distance < near).all(axis=1)]
 
 
 def _edges_on_sides(mesh: Mesh, polygon: Polygon, edges: Ints) -> Ints:
