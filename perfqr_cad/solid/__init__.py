@@ -1,1 +1,26 @@
+"""Exact solids: a pattern carved into a wall of material, checked, meshed, written as STEP.
 
+The modeller is heavy to load; names below that need it are imported on first use.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from .shape import Solid
+from .walls import Walls
+
+if TYPE_CHECKING:
+    from .assemble import build, build_region
+    from .step import read_step, write_step
+
+_HOMES = {"build": "assemble", "build_region": "assemble", "read_step": "step", "write_step": "step"}
+
+__all__ = ["Solid", "Walls", "build", "build_region", "read_step", "write_step"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_HOMES[name]}", __name__), name)

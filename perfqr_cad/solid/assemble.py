@@ -1,0 +1,94 @@
+"""A pattern on a placement becomes a solid: loops, walls, shell, triangles, measures, checks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from perfqr_cad.errors import KernelError
+from perfqr_cad.pattern.outline import Region
+from perfqr_cad.surface import Placement, Plane, Triangles
+
+from . import occ
+from .chart import Chart
+from .expected import volume_mm3
+from .mesh import CHORD_MM, triangulate
+from .occ import EDGE, FACE, SOLID
+from .plane_chart import PlaneChart
+from .punch import panel
+from .sections import wells
+from .shape import LIGHT, Colour, Solid
+from .walls import Walls
+
+# Share of the volume by which the modeller may differ from the closed form: rounding on plates, the fit of
+# curves and offset surfaces elsewhere.
+FLAT_VOLUME_TOL = 1e-9
+CURVED_VOLUME_TOL = 1e-6
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import Pattern
+
+
+def build(
+    pattern: Pattern,
+    placement: Placement,
+    walls: Walls | None = None,
+    *,
+    name: str = "perforated-qr",
+    colour: Colour = LIGHT,
+    chord_mm: float = CHORD_MM,
+) -> Solid:
+    """The part of a pattern. Raises `DesignError` for walls that cannot be made, `KernelError` for a bad solid."""
+    return build_region(pattern.region, placement, walls, name=name, colour=colour, chord_mm=chord_mm)
+
+
+def build_region(
+    region: Region,
+    placement: Placement,
+    walls: Walls | None = None,
+    *,
+    name: str = "perforated-qr",
+    colour: Colour = LIGHT,
+    chord_mm: float = CHORD_MM,
+) -> Solid:
+    """The part of any region of the pattern plane, mm; otherwise as `build`."""
+    walls = walls or Walls()
+    chart = chart_of(placement)
+    stands = wells(region, placement.thickness_mm, walls, chart.whole_circles)
+    with occ.kernel("building the solid", "simplify the outline or move the code to a smoother place"):
+        shape = panel(stands, chart)
+        volume = occ.volume(shape)
+        bbox = occ.bounds(shape)
+    expected = volume_mm3(stands, placement)
+    triangles = triangulate(stands, placement.thickness_mm, placement.at_depth, chord_mm=chord_mm, flat=placement.is_flat)
+    problems = _problems(volume, expected, triangles, placement.is_flat)
+    return Solid(
+        shape=shape,
+        triangles=triangles,
+        valid=not problems,
+        solids=occ.count(shape, SOLID),
+        faces=occ.count(shape, FACE),
+        edges=occ.count(shape, EDGE),
+        volume_mm3=volume,
+        expected_volume_mm3=expected,
+        problems=problems,
+        bbox_mm=bbox,
+        name=name,
+        colour=colour,
+    )
+
+
+def _problems(volume: float, expected: float, triangles: Triangles, flat: bool) -> tuple[str, ...]:
+    found: list[str] = []
+    limit = FLAT_VOLUME_TOL if flat else CURVED_VOLUME_TOL
+    if abs(volume - expected) > limit * expected:
+        found.append(f"volume {volume:.9g} mm³, expected {expected:.9g} mm³ (limit {limit:g} of it)")
+    if not triangles.closed:
+        found.append("the triangles do not close")
+    return tuple(found)
+
+
+def chart_of(placement: Placement) -> Chart:
+    """The kernel's view of a placement."""
+    if isinstance(placement, Plane):
+        return PlaneChart(placement)
+    raise KernelError(f"no exact chart for {type(placement).__name__}")

@@ -1,0 +1,147 @@
+"""How a code lies on a given face: projected along one axis, or wrapped along the face's own normals."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from perfqr_cad.solid.imported.body import Array
+from perfqr_cad.solid.imported.survey import Frame
+from perfqr_cad.surface import Distortion, Placement
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RectBivariateSpline
+
+UNLAY_SEEDS = 33  # a side
+UNLAY_STEPS = 20  # fixed-point steps towards the foot of a point on the front
+
+
+def pairs(uv: ArrayLike) -> Array:
+    """Pattern points as (k, 2)."""
+    return np.asarray(uv, float).reshape(-1, 2)
+
+
+@dataclass(frozen=True)
+class Laid(Placement):
+    """A code on a face that is not ours: every pattern point is a straight line through the wall.
+
+    `line` gives the lines the holes follow; the exact faces are met along them.
+    """
+
+    @abstractmethod
+    def line(self, uv: ArrayLike) -> tuple[Array, Array]:
+        """Points (k, 3) on or near the front, and frames (k, 3, 3) whose third rows are the hole's axis."""
+
+    def unlaid(self, points: Array) -> Array:
+        """Pattern points (k, 2) of points (k, 3) near the wall; NaN for those far outside the code."""
+        line = np.linspace(-self.reach_mm(), self.reach_mm(), UNLAY_SEEDS)
+        grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+        from scipy.spatial import cKDTree
+
+        distance, nearest = cKDTree(self.point(grid)).query(points)
+        uv = grid[nearest]
+        for _ in range(UNLAY_STEPS):
+            on_front, frames = self.line(uv)
+            uv = np.clip(uv + np.einsum("kij,kj->ki", frames[:, :2], points - on_front), line[0], line[-1])
+        far = distance > self.thickness_mm + 4 * (line[1] - line[0])
+        return np.where(far[:, None], np.nan, uv)
+
+
+@dataclass(frozen=True)
+class Projected(Laid):
+    """The paper's way (§5.2): the code is projected onto the face along the normal at its centre.
+
+    `heights_mm` (k, k) of the front above the tangent plane, on a square grid of edge `span_mm` (rows up,
+    columns right). The holes run along the axis, so the reader before the centre sees the code undistorted.
+    """
+
+    frame_at_centre: Frame
+    span_mm: float
+    heights_mm: Array = field(repr=False)
+    thickness_mm: float
+
+    @cached_property
+    def _height(self) -> RectBivariateSpline:
+        return _spline(self.heights_mm, self.span_mm)
+
+    @property
+    def is_flat(self) -> bool:
+        return bool(np.ptp(self.heights_mm) < 1e-9 * self.span_mm)
+
+    def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
+        at = pairs(uv)
+        height = self._height.ev(at[:, 1], at[:, 0]) - np.asarray(depth_mm, float)
+        return self.frame_at_centre.to_space(np.column_stack([at, height]))
+
+    def normal(self, uv: ArrayLike) -> Array:
+        at = pairs(uv)
+        slopes = [self._height.ev(at[:, 1], at[:, 0], dx=dx, dy=1 - dx) for dx in (0, 1)]
+        normal = np.column_stack([-slopes[0], -slopes[1], np.ones(len(at))])
+        return normal / np.linalg.norm(normal, axis=1)[:, None] @ self.frame_at_centre.axes
+
+    def reach_mm(self) -> float:
+        return self.span_mm / 2
+
+    def line(self, uv: ArrayLike) -> tuple[Array, Array]:
+        points = self.point(uv)
+        return points, np.broadcast_to(self.frame_at_centre.axes, (len(points), 3, 3))
+
+    def distortion(self, size_mm: float) -> Distortion:
+        """As the reader before the centre sees it: a projection keeps area and angle, only the tilt counts."""
+        on_the_face = super().distortion(size_mm)
+        return Distortion(0.0, 0.0, 0.0, 0.0, on_the_face.tilt_worst_deg)
+
+
+@dataclass(frozen=True)
+class Wrapped(Laid):
+    """Geodesic wrap: lengths and directions from the centre are kept; isometric where the face unrolls.
+
+    `points_mm` (k, k, 3) of the front on a square grid of edge `span_mm` (rows up, columns right). The holes
+    run along the face's normals.
+    """
+
+    span_mm: float
+    points_mm: Array = field(repr=False)
+    thickness_mm: float
+
+    @cached_property
+    def _coordinates(self) -> tuple[RectBivariateSpline, ...]:
+        return tuple(_spline(self.points_mm[..., i], self.span_mm) for i in range(3))
+
+    def point(self, uv: ArrayLike) -> Array:
+        return self._derivative(pairs(uv), 0, 0)
+
+    def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
+        at = pairs(uv)
+        depth = np.broadcast_to(np.asarray(depth_mm, float), len(at))
+        return self._derivative(at, 0, 0) - depth[:, None] * self.normal(at)
+
+    def normal(self, uv: ArrayLike) -> Array:
+        at = pairs(uv)
+        normal = np.cross(self._derivative(at, 1, 0), self._derivative(at, 0, 1))
+        return normal / np.linalg.norm(normal, axis=1)[:, None]
+
+    def reach_mm(self) -> float:
+        return self.span_mm / 2
+
+    def line(self, uv: ArrayLike) -> tuple[Array, Array]:
+        at = pairs(uv)
+        return self.point(at), self.frame(at)
+
+    def _derivative(self, at: Array, along_u: int, along_v: int) -> Array:
+        return np.column_stack([s.ev(at[:, 1], at[:, 0], dx=along_v, dy=along_u) for s in self._coordinates])
+
+
+def _spline(values: Array, span_mm: float) -> RectBivariateSpline:
+    from scipy.interpolate import RectBivariateSpline
+
+    line = np.linspace(-span_mm / 2, span_mm / 2, len(values))
+    degree = min(3, len(values) - 1)
+    return RectBivariateSpline(line, line, values, kx=degree, ky=degree, s=0)
+
+

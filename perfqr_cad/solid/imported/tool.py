@@ -1,0 +1,100 @@
+"""What is taken away: prisms for the modeller, and closed meshes for manifold3d."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from perfqr_cad.errors import KernelError
+from perfqr_cad.pattern.outline import Loop, Region
+from perfqr_cad.solid.chart import Level
+from perfqr_cad.solid.imported.body import Array, Body
+from perfqr_cad.solid.imported.lay import Laid, Projected
+from perfqr_cad.solid.imported.survey import probe
+from perfqr_cad.solid.mesh import triangulate
+from perfqr_cad.solid.sections import Well, hole_wells
+from perfqr_cad.solid.walls import Walls
+from perfqr_cad.surface import Plane, Triangles
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+    from OCP.TopoDS import TopoDS_Shape
+
+CLEARANCE = 0.2  # of the wall: how far tools stand out before and behind it
+
+
+def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> TopoDS_Shape:
+    """A straight prism over a hole, through the wall or down to a flat floor `depth_mm` below its lowest rim."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
+    from OCP.gp import gp_Ax3, gp_Trsf
+
+    from perfqr_cad.solid.occ import direction, pnt
+    from perfqr_cad.solid.plane_chart import PlaneChart
+    from perfqr_cad.solid.punch import panel
+    from perfqr_cad.solid.sections import wells
+
+    uv = hole.flatten()
+    points = laid.point(uv)
+    met = probe(body, points, np.tile(laid.frame_at_centre.axes[2], (len(points), 1)))
+    front = laid.frame_at_centre.to_frame(points)[:, 2] + met.offset_mm
+    margin = CLEARANCE * laid.thickness_mm
+    top = float(front.max()) + margin
+    bottom = float((front - met.wall_mm).min()) - margin if depth_mm is None else float(front.min()) - depth_mm
+    plate = PlaneChart(Plane(top - bottom))
+    block = panel(wells(Region(hole.oriented(ccw=True)), top - bottom, Walls(), True), plate)
+    e1, _, n = laid.frame_at_centre.axes
+    place = gp_Trsf()
+    foot = laid.frame_at_centre.to_space([[0.0, 0.0, bottom]])[0]
+    place.SetTransformation(gp_Ax3(pnt(foot), direction(n), direction(e1)), gp_Ax3())
+    return BRepBuilderAPI_Transform(block, place, True).Shape()
+
+
+def carved_mesh(base: Triangles, holes: Sequence[Loop], laid: Laid, walls: Walls, wall_mm: float | None = None) -> Triangles:
+    """The base less all holes, closed and in one body. Raises `KernelError` when manifold3d objects."""
+    import manifold3d
+
+    solid = manifold_of(base)
+    tools = manifold3d.Manifold.compose([_tool(hole, laid, walls, wall_mm or laid.thickness_mm) for hole in holes])
+    result = solid - tools
+    if result.status() != manifold3d.Error.NoError:
+        raise KernelError(f"carving the mesh failed in manifold3d ({result.status().name}): move the code")
+    bodies = len(result.decompose())
+    if bodies != len(solid.decompose()):
+        raise KernelError(f"carving left {bodies} bodies instead of one: choose a thicker place or a larger code")
+    return triangles_of(result)
+
+
+def _tool(hole: Loop, laid: Laid, walls: Walls, wall_mm: float) -> Manifold:
+    """One hole as a closed mesh that stands out of the wall on both sides (a pocket: only in front)."""
+    margin = CLEARANCE * wall_mm
+    well = hole_wells((hole,), wall_mm, walls, False)[0]
+    far = well.levels[-1].depth_mm if well.floor else wall_mm + margin
+    depths = [0.0, *(level.depth_mm + margin for level in well.levels[1:-1]), far + margin]
+    levels = tuple(Level(d, False) for d in depths)
+    loops = tuple(loop.reversed() for loop in well.loops)
+    rim = Well(loops, levels)
+
+    def place(uv: Array, depth_mm: float) -> Array:
+        return laid.at_depth(uv, depth_mm - margin)
+
+    return manifold_of(triangulate([rim], far + margin, place))
+
+
+def manifold_of(mesh: Triangles) -> Manifold:
+    """manifold3d's form of a closed mesh. Raises `KernelError` when it is none."""
+    import manifold3d
+
+    made = manifold3d.Manifold(
+        manifold3d.Mesh64(np.array(mesh.vertices, np.float64), np.array(mesh.faces, np.uint64))
+    )
+    if made.status() != manifold3d.Error.NoError:
+        raise KernelError(f"the mesh is not a closed body ({made.status().name}): repair it first")
+    return made
+
+
+def triangles_of(manifold: Manifold) -> Triangles:
+    """Triangles of a manifold."""
+    mesh = manifold.to_mesh64()
+    return Triangles(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts))

@@ -1,0 +1,215 @@
+"""Triangles from the same loops as the B-rep, closed by construction.
+
+The loops are flattened once, with as many corners on every level. Each cap is a constrained Delaunay
+triangulation of its own level's corners, mapped onto the surface; the walls are quads between corresponding
+corners of consecutive levels. So caps and walls share every boundary edge.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from perfqr_cad.errors import KernelError
+from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Segment
+from perfqr_cad.surface import Triangles
+
+from .sections import Well
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+CHORD_MM = 0.01  # greatest distance between mesh and surface; a twentieth of a printed layer
+
+
+class Map(Protocol):
+    """Points (k, 3) of (k, 2) pattern points at a depth."""
+
+    def __call__(self, uv: Array, depth_mm: float) -> Array: ...
+
+
+@dataclass(frozen=True)
+class Ring:
+    """A flattened well: one (n, 2) polygon for each level, corresponding corner by corner."""
+
+    levels: tuple[Array, ...]
+    depths_mm: tuple[float, ...]
+    floor: bool
+
+
+def triangulate(
+    wells: Sequence[Well], thickness_mm: float, place: Map, *, chord_mm: float = CHORD_MM, flat: bool = False
+) -> Triangles:
+    """The closed mesh of a panel: the first well is its rim. `flat` maps need no refinement."""
+    rings = [flattened(well, place, chord_mm, flat) for well in wells]
+    mesh = _Mesh(place, chord_mm, flat)
+    columns = [[mesh.ring(level, depth) for level, depth in zip(r.levels, r.depths_mm, strict=True)] for r in rings]
+    mesh.cap([column[0] for column in columns], [r.levels[0] for r in rings], 0.0, up=True)
+    through = [(column[-1], r.levels[-1]) for column, r in zip(columns, rings, strict=True) if not r.floor]
+    mesh.cap([c for c, _ in through], [p for _, p in through], thickness_mm, up=False)
+    for column, ring in zip(columns, rings, strict=True):
+        for upper, lower in pairwise(column):
+            mesh.wall(upper, lower)
+        if ring.floor:
+            mesh.cap([column[-1][::-1]], [ring.levels[-1][::-1]], ring.depths_mm[-1], up=True)
+    return mesh.triangles()
+
+
+def flattened(well: Well, place: Map, chord_mm: float, flat: bool) -> Ring:
+    """The loops of a well as polygons whose corresponding sides keep the chord tolerance on every level."""
+    depths = [level.depth_mm for level in well.levels]
+    parts: list[list[Array]] = [[] for _ in depths]
+    for stack in well.stacks():
+        pieces = max(_pieces(segment, chord_mm) for segment in stack)
+        if not flat:
+            pieces = max(
+                pieces,
+                *(_bent(s, lambda uv, d=d: place(uv, d), chord_mm) for s, d in zip(stack, depths, strict=True)),
+            )
+        fractions = np.arange(pieces) / pieces
+        for part, segment in zip(parts, stack, strict=True):
+            part.append(sampled(segment, fractions))
+    return Ring(tuple(np.vstack(part) for part in parts), tuple(depths), well.floor)
+
+
+def sampled(segment: Segment, fractions: Array) -> Array:
+    """Points (k, 2) of a segment at fractions of its own parameter; the angle, on arcs and circles."""
+    match segment:
+        case Line(start, end):
+            points = np.outer(1 - fractions, start) + np.outer(fractions, end)
+        case Bezier():
+            t, s = fractions, 1 - fractions
+            weights = np.stack([s**3, 3 * s * s * t, 3 * s * t * t, t**3], axis=1)
+            points = weights @ np.array(segment.controls)
+        case Arc() | Circle():
+            start = segment.start_rad if isinstance(segment, Arc) else 0.0
+            sweep = segment.sweep_rad if isinstance(segment, Arc) else (math.tau if segment.ccw else -math.tau)
+            angle = start + fractions * sweep
+            points = segment.centre + segment.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    ends = (fractions == 0.0, fractions == 1.0)
+    points[ends[0]] = segment.start  # to the bit, so that neighbours meet
+    points[ends[1]] = segment.end
+    return points
+
+
+def _pieces(segment: Segment, chord_mm: float) -> int:
+    return len(segment.flatten(chord_mm))
+
+
+def _bent(segment: Segment, place: Callable[[Array], Array], chord_mm: float) -> int:
+    """Pieces that keep the laid segment within the tolerance of its chords; the sagitta falls with their square."""
+    start, middle, end = place(sampled(segment, np.array([0.0, 0.5, 1.0])))
+    sagitta = float(np.linalg.norm(middle - (start + end) / 2))
+    return max(1, math.ceil(math.sqrt(sagitta / chord_mm)))
+
+
+class _Mesh:
+    """Vertices and faces as they are collected."""
+
+    def __init__(self, place: Map, chord_mm: float, flat: bool) -> None:
+        self._place = place
+        self._chord_mm = chord_mm
+        self._flat = flat
+        self._vertices: list[Array] = []
+        self._faces: list[Indices] = []
+        self._count = 0
+
+    def ring(self, uv: Array, depth_mm: float) -> Indices:
+        """Lay a polygon at a depth; the indices of its corners."""
+        return self._add(self._place(uv, depth_mm))
+
+    def wall(self, upper: Indices, lower: Indices) -> None:
+        """Quads between two rings, outside to the right of travel; each is cut along its shorter diagonal."""
+        after_u, after_l = np.roll(upper, -1), np.roll(lower, -1)
+        self._faces += [np.column_stack([lower, after_l, after_u]), np.column_stack([lower, after_u, upper])]
+
+    def cap(self, rings: Sequence[Indices], polygons: Sequence[Array], depth_mm: float, *, up: bool) -> None:
+        """Fill the first ring, less the others, at a depth; `up` looks at the reader."""
+        uv, index = np.vstack(polygons), np.concatenate(rings)
+        faces = delaunay(polygons)
+        if not self._flat:
+            corners = len(uv)
+            uv, faces = refined(uv, faces, lambda points: self._place(points, depth_mm), self._chord_mm)
+            index = np.concatenate([index, self._add(self._place(uv[corners:], depth_mm))])
+        faces = index[faces]
+        self._faces.append(faces if up else faces[:, ::-1])
+
+    def triangles(self) -> Triangles:
+        return Triangles(np.vstack(self._vertices), np.vstack(self._faces))
+
+    def _add(self, points: Array) -> Indices:
+        self._vertices.append(points)
+        self._count += len(points)
+        return np.arange(self._count - len(points), self._count)
+
+
+def delaunay(polygons: Sequence[Array]) -> Indices:
+    """Constrained Delaunay triangles (m, 3), counter-clockwise, of the first polygon less the others.
+
+    Indices count the corners of all polygons in turn. Raises `KernelError` when the polygons cross or touch.
+    """
+    outline = shapely.Polygon(polygons[0], list(polygons[1:]))
+    if not outline.is_valid:
+        raise KernelError(f"the outline is no simple region ({shapely.is_valid_reason(outline)}): part its loops")
+    corners = shapely.get_coordinates(shapely.constrained_delaunay_triangles(outline)).reshape(-1, 4, 2)[:, :3]
+    # Triangles come as coordinates; each corner is found again by its exact value.
+    points, wanted = complex_of(np.vstack(polygons)), complex_of(corners.reshape(-1, 2))
+    order = np.argsort(points)
+    faces = order[np.searchsorted(points[order], wanted)].reshape(-1, 3)
+    a, b, c = (points[faces[:, i]] for i in range(3))
+    clockwise = ((b - a).conjugate() * (c - a)).imag < 0
+    faces[clockwise] = faces[clockwise][:, ::-1]
+    return faces
+
+
+def refined(uv: Array, faces: Indices, place: Callable[[Array], Array], chord_mm: float) -> tuple[Array, Indices]:
+    """Split inner edges at their midpoints until the laid triangles keep the chord tolerance.
+
+    Boundary edges are never split: the walls share them. On a sphere the middle of a triangle strays by up to
+    4/3 of what the middles of its edges do, hence the 3/4.
+    """
+    while True:
+        sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        keys, side, uses = np.unique(sides[:, 0] * len(uv) + sides[:, 1], return_inverse=True, return_counts=True)
+        ends = np.column_stack([keys // len(uv), keys % len(uv)])
+        laid = place(uv)
+        middle = uv[ends].mean(axis=1)
+        sagitta = np.linalg.norm(place(middle) - laid[ends].mean(axis=1), axis=1)
+        split = (uses == 2) & (sagitta > 0.75 * chord_mm)
+        if not split.any():
+            return uv, faces
+        fresh = np.where(split, len(uv) + np.cumsum(split) - 1, -1)
+        uv = np.vstack([uv, middle[split]])
+        faces = _split(faces, fresh[side].reshape(-1, 3))
+
+
+def _split(faces: Indices, middles: Indices) -> Indices:
+    """Triangles cut at the given midpoints of their sides (−1: side kept), in 1, 2, 3 or 4 pieces."""
+    marked = middles >= 0
+    count = marked.sum(axis=1)
+    pieces = [faces[count == 0]]
+    for times, lone in ((1, True), (2, False)):
+        rows = count == times
+        # Turn each triangle so that side 0 is the only one cut, or the only one kept.
+        first = np.argmax(marked[rows] == lone, axis=1)
+        turn = (first[:, None] + np.arange(3)) % 3
+        (a, b, c), (p, q, r) = (np.take_along_axis(x[rows], turn, axis=1).T for x in (faces, middles))
+        if lone:
+            pieces += [np.column_stack(t) for t in ((a, p, c), (p, b, c))]
+        else:
+            pieces += [np.column_stack(t) for t in ((a, b, q), (a, q, r), (r, q, c))]
+    (a, b, c), (p, q, r) = faces[count == 3].T, middles[count == 3].T
+    pieces += [np.column_stack(t) for t in ((a, p, r), (p, b, q), (r, q, c), (p, q, r))]
+    return np.vstack(pieces)
+
+
+def complex_of(points: Array) -> NDArray[np.complex128]:
+    """Points of the plane as complex numbers, which sort and compare as pairs."""
+    return points[:, 0] + 1j * points[:, 1]

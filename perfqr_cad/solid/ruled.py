@@ -1,0 +1,108 @@
+"""Ruled walls: straight lines between a curve on one level and a curve on the next."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from OCP.Geom import Geom_BSplineCurve, Geom_Circle
+from OCP.Geom2d import Geom2d_BSplineCurve
+
+from .chart import Trace, Wall
+from .occ import Array, line_2d, spline_curve_2d, spline_surface
+
+RULING_KNOTS = (0.0, 0.0, 1.0, 1.0)
+# A rational quadratic span covers at most a quarter turn; each span's angle-to-parameter map is fitted by this
+# many cubics, which leaves h⁴/384·|t⁗| < 1e-7 of a span.
+QUARTER_RAD = math.pi / 2
+PIECES = 24
+
+
+def ruled_wall(top: Trace, bottom: Trace) -> Wall:
+    """The ruled face between two splines of the same degree and knots; exact on both.
+
+    The surface's second parameter runs from the lower curve (0) to the upper (1), so that its own normal
+    points to the right of travel.
+    """
+    upper, lower = _poles(top), _poles(bottom)
+    curve = top.curve
+    assert isinstance(curve, Geom_BSplineCurve)
+    knots = [k for i in range(1, curve.NbKnots() + 1) for k in [curve.Knot(i)] * curve.Multiplicity(i)]
+    surface = spline_surface(np.stack([lower, upper], axis=1), knots, RULING_KNOTS, (curve.Degree(), 1))
+    images = (
+        line_2d(0, 1, 1, 0),
+        line_2d(0, 0, 1, 0),
+        falling(top.first, math.dist(upper[0], lower[0])),
+        falling(top.last, math.dist(upper[-1], lower[-1])),
+    )
+    return Wall(surface, outward=True, images=images)
+
+
+def oblique_wall(top: Trace, bottom: Trace) -> Wall:
+    """The ruled face between two circular arcs that are not concentric: an oblique cone or cylinder, exact.
+
+    Its long edges are the arcs themselves; their images are fitted, since an angle is no rational function of
+    the surface's parameter.
+    """
+    spans = math.ceil(max(top.last, bottom.last) / QUARTER_RAD - 1e-9)
+    (upper, upper_weights), (lower, lower_weights) = _rational(top, spans), _rational(bottom, spans)
+    knots = [0.0, *np.repeat(np.arange(spans + 1.0), 2), float(spans)]
+    surface = spline_surface(
+        np.stack([lower, upper], axis=1),
+        knots,
+        RULING_KNOTS,
+        (2, 1),
+        np.stack([lower_weights, upper_weights], axis=1),
+    )
+    images = (
+        _turning(top.last, spans, 1.0),
+        _turning(bottom.last, spans, 0.0),
+        falling(0.0, math.dist(upper[0], lower[0])),
+        falling(float(spans), math.dist(upper[-1], lower[-1])),
+    )
+    return Wall(surface, outward=True, images=images)
+
+
+def falling(u: float, length: float) -> Geom2d_BSplineCurve:
+    """Image of a side edge, by its arc length, on a ruled surface: from the upper curve to the lower."""
+    return spline_curve_2d(np.array([[u, 1.0], [u, 0.0]]), (0.0, 0.0, length, length), 1)
+
+
+def _poles(trace: Trace) -> Array:
+    curve = trace.curve
+    assert isinstance(curve, Geom_BSplineCurve)
+    return np.array([(p.X(), p.Y(), p.Z()) for p in map(curve.Pole, range(1, curve.NbPoles() + 1))])
+
+
+def _rational(arc: Trace, spans: int) -> tuple[Array, Array]:
+    """Poles (2·spans + 1, 3) and weights of an arc as rational quadratics of equal sweep."""
+    circle = arc.curve
+    assert isinstance(circle, Geom_Circle)
+    centre, frame = circle.Location(), circle.Position()
+    x, y = frame.XDirection(), frame.YDirection()
+    half = arc.last / spans / 2
+    weights = np.tile([1.0, math.cos(half)], spans + 1)[:-1]
+    angle = half * np.arange(2 * spans + 1)
+    reach = circle.Radius() / weights
+    across, along = reach * np.cos(angle), reach * np.sin(angle)
+    axes = np.array([[x.X(), x.Y(), x.Z()], [y.X(), y.Y(), y.Z()]])
+    poles = np.array([centre.X(), centre.Y(), centre.Z()]) + np.column_stack([across, along]) @ axes
+    return poles, weights
+
+
+def _turning(sweep: float, spans: int, v: float) -> Geom2d_BSplineCurve:
+    """The parameter of a rational arc over its angle, as cubic Hermite pieces at constant v.
+
+    Within a span of half-angle a, t = ½(1 + tan(φ/2)/tan(a/2)) for φ from −a to a.
+    """
+    half = sweep / spans / 2
+    phi = np.linspace(-half, half, PIECES + 1)
+    step = 2 * half / PIECES
+    value = (1 + np.tan(phi / 2) / math.tan(half / 2)) / 2
+    slope = 1 / (4 * np.cos(phi / 2) ** 2 * math.tan(half / 2))
+    # A C¹ cubic spline with double knots has the inner Bézier points of its pieces as poles.
+    inner = np.column_stack([value[:-1] + slope[:-1] * step / 3, value[1:] - slope[1:] * step / 3])
+    u = np.concatenate([[0.0], *(span + inner.ravel() for span in range(spans)), [float(spans)]])
+    breaks = np.linspace(0, sweep, spans * PIECES + 1)
+    knots = [breaks[0], breaks[0], *np.repeat(breaks, 2), breaks[-1], breaks[-1]]
+    return spline_curve_2d(np.column_stack([u, np.full_like(u, v)]), knots, 3)

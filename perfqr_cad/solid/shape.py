@@ -1,0 +1,42 @@
+"""The finished part: an exact shape, what was measured on it, and its triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from perfqr_cad.surface import Triangles
+
+if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Solid
+
+Corner = tuple[float, float, float]
+Colour = tuple[float, float, float]
+
+LIGHT: Colour = (0.92, 0.92, 0.90)  # sRGB of the part and, behind it, of the dark tone
+DARK: Colour = (0.05, 0.05, 0.06)
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A solid in mm. `valid` says that every check passed; `problems` says which did not.
+
+    shape                the exact B-rep; None when there are triangles only (a carved mesh)
+    expected_volume_mm3  from the outline and the surface, without the modeller; None where there is no such figure
+    bbox_mm              least and greatest corner
+    extras               further solids of the same part, such as a backing plate
+    """
+
+    shape: TopoDS_Solid | None
+    triangles: Triangles
+    valid: bool
+    solids: int
+    faces: int
+    edges: int
+    volume_mm3: float
+    bbox_mm: tuple[Corner, Corner]
+    expected_volume_mm3: float | None = None
+    problems: tuple[str, ...] = ()
+    name: str = "perforated-qr"
+    colour: Colour = LIGHT
+    extras: tuple[Solid, ...] = ()

@@ -1,0 +1,176 @@
+"""The walls of one hole (or of the rim): shared edges, exact images, material to the left of travel.
+
+Seen from the reader, the outer loop runs counter-clockwise and holes run clockwise. Out of the material is then
+always to the right of travel, for the rim and for every hole alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from OCP.BRep import BRep_Builder
+from OCP.Geom import Geom_Curve, Geom_Line, Geom_Surface
+from OCP.gp import gp_Dir
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Vertex, TopoDS_Wire
+
+from .chart import Chart, Column, Trace, Wall
+from .occ import FORWARD, REVERSED, TOLERANCE_MM, Array, pnt
+from .sections import Well
+
+BUILDER = BRep_Builder()
+NOWHERE = TopLoc_Location()
+
+
+@dataclass(frozen=True)
+class Tube:
+    """What a well adds to a shell.
+
+    mouth  its wire in the front face, in the direction of travel
+    foot   its wire in the back face, in the direction of travel; None for a blind pocket
+    faces  walls and, for a pocket, its floor; oriented outward
+    """
+
+    mouth: TopoDS_Wire
+    foot: TopoDS_Wire | None
+    faces: tuple[TopoDS_Face, ...]
+
+
+def tube(well: Well, chart: Chart) -> Tube:
+    """Stand the walls of a well on its loops."""
+    return _stand(well, chart, chart.lay(well.stacks(), well.levels))
+
+
+def tubes(wells: tuple[Well, ...], chart: Chart) -> list[Tube]:
+    """The walls of many wells. Wells of equal levels are laid together: a chart works on arrays."""
+    columns: dict[int, list[Column]] = {}
+    by_levels: dict[tuple[object, ...], list[int]] = {}
+    for i, well in enumerate(wells):
+        by_levels.setdefault(well.levels, []).append(i)
+    for members in by_levels.values():
+        stacks = [stack for i in members for stack in wells[i].stacks()]
+        laid = iter(chart.lay(stacks, wells[members[0]].levels))
+        for i in members:
+            columns[i] = [next(laid) for _ in wells[i].loops[0].segments]
+    return [_stand(well, chart, columns[i]) for i, well in enumerate(wells)]
+
+
+def _stand(well: Well, chart: Chart, columns: list[Column]) -> Tube:
+    n = len(columns)
+    corners = [
+        chart.points(np.array([s.start for s in loop.segments]), level.depth_mm)
+        for loop, level in zip(well.loops, well.levels, strict=True)
+    ]
+    slack = max(trace.tolerance_mm for column in columns for trace in column.traces)
+    vertices = [[_vertex(p, slack) for p in ring] for ring in corners]
+    rings = [
+        [_edge(columns[i].traces[k], row[i], row[(i + 1) % n]) for i in range(n)] for k, row in enumerate(vertices)
+    ]
+    for k, level in enumerate(well.levels):
+        if level.on_face:
+            _draw(chart.surface(level.depth_mm), rings[k], [column.traces[k] for column in columns])
+    faces: list[TopoDS_Face] = []
+    for k, (upper, lower) in enumerate(pairwise(range(len(rings)))):
+        sides = [
+            _drop(a, b, p, q) for a, b, p, q in zip(
+                vertices[upper], vertices[lower], corners[upper], corners[lower], strict=True
+            )
+        ]
+        for i in range(n):
+            j = (i + 1) % n
+            faces.append(_wall(columns[i].walls[k], rings[upper][i], rings[lower][i], sides[i], sides[j]))
+    mouth, foot = _wire(rings[0]), _wire(rings[-1])
+    if not well.floor:
+        return Tube(mouth, foot, tuple(faces))
+    return Tube(mouth, None, (*faces, _floor(chart, well.levels[-1].depth_mm, foot)))
+
+
+def _vertex(p: Array, tolerance_mm: float) -> TopoDS_Vertex:
+    vertex = TopoDS_Vertex()
+    BUILDER.MakeVertex(vertex, pnt(p), tolerance_mm)
+    return vertex
+
+
+def _edge(trace: Trace, start: TopoDS_Vertex, end: TopoDS_Vertex) -> TopoDS_Edge:
+    return _bounded(trace.curve, trace.first, trace.last, trace.tolerance_mm, start, end)
+
+
+def _drop(start: TopoDS_Vertex, end: TopoDS_Vertex, p: Array, q: Array) -> TopoDS_Edge:
+    """The straight edge from one level down to the next, by arc length."""
+    fall = q - p
+    length = float(np.sqrt(fall @ fall))
+    line = Geom_Line(pnt(p), gp_Dir(float(fall[0]), float(fall[1]), float(fall[2])))
+    return _bounded(line, 0.0, length, TOLERANCE_MM, start, end)
+
+
+def _bounded(
+    curve: Geom_Curve, first: float, last: float, tolerance_mm: float, start: TopoDS_Vertex, end: TopoDS_Vertex
+) -> TopoDS_Edge:
+    edge = TopoDS_Edge()
+    BUILDER.MakeEdge(edge, curve, tolerance_mm)
+    BUILDER.Add(edge, start.Oriented(FORWARD))
+    BUILDER.Add(edge, end.Oriented(REVERSED))
+    BUILDER.Range(edge, first, last)
+    return edge
+
+
+def _draw(surface: Geom_Surface, edges: list[TopoDS_Edge], traces: list[Trace]) -> None:
+    """Give the edges of a loop their images on the surface of the face they bound."""
+    for edge, trace in zip(edges, traces, strict=True):
+        if trace.image is not None:
+            BUILDER.UpdateEdge(edge, trace.image, surface, NOWHERE, trace.tolerance_mm)
+            BUILDER.Range(edge, trace.first, trace.last)
+
+
+def _wall(wall: Wall, upper: TopoDS_Edge, lower: TopoDS_Edge, left: TopoDS_Edge, right: TopoDS_Edge) -> TopoDS_Face:
+    """The face between two levels; `left` drops at the start of the segment, `right` at its end.
+
+    Seen from outside, its boundary runs along the lower edge, up, back along the upper edge, down.
+    """
+    if wall.images is not None:
+        over, under, start, end = wall.images
+        for edge, image in ((upper, over), (lower, under)):
+            BUILDER.UpdateEdge(edge, image, wall.surface, NOWHERE, TOLERANCE_MM)
+        if left.IsSame(right):  # a whole circle: the seam is seen from both its sides
+            images = (start, end) if wall.outward else (end, start)
+            BUILDER.UpdateEdge(left, *images, wall.surface, NOWHERE, TOLERANCE_MM)
+        else:
+            BUILDER.UpdateEdge(left, start, wall.surface, NOWHERE, TOLERANCE_MM)
+            BUILDER.UpdateEdge(right, end, wall.surface, NOWHERE, TOLERANCE_MM)
+    wire = TopoDS_Wire()
+    BUILDER.MakeWire(wire)
+    BUILDER.Add(wire, lower)
+    BUILDER.Add(wire, right.Reversed())
+    BUILDER.Add(wire, upper.Reversed())
+    BUILDER.Add(wire, left)
+    wire.Closed(True)
+    face = TopoDS_Face()
+    BUILDER.MakeFace(face, wall.surface, TOLERANCE_MM)
+    BUILDER.Add(face, wire if wall.outward else wire.Reversed())
+    return face if wall.outward else TopoDS.Face_s(face.Reversed())
+
+
+def _wire(edges: list[TopoDS_Edge]) -> TopoDS_Wire:
+    wire = TopoDS_Wire()
+    BUILDER.MakeWire(wire)
+    for edge in edges:
+        BUILDER.Add(wire, edge)
+    wire.Closed(True)
+    return wire
+
+
+def _floor(chart: Chart, depth_mm: float, rim: TopoDS_Wire) -> TopoDS_Face:
+    """The floor of a pocket looks at the reader; its rim runs clockwise, as the hole does."""
+    return cap(chart, depth_mm, [TopoDS.Wire_s(rim.Reversed())], outwards=True)
+
+
+def cap(chart: Chart, depth_mm: float, wires: list[TopoDS_Wire], *, outwards: bool) -> TopoDS_Face:
+    """A face at a level, its wires given as seen by the reader; `outwards`: its outside is the reader's side."""
+    face = TopoDS_Face()
+    BUILDER.MakeFace(face, chart.surface(depth_mm), TOLERANCE_MM)
+    seen = chart.towards_reader(depth_mm)
+    for wire in wires:
+        BUILDER.Add(face, wire if seen else wire.Reversed())
+    return face if outwards == seen else TopoDS.Face_s(face.Reversed())
