@@ -9,6 +9,7 @@ import numpy as np
 from perfqr_cad import __version__
 
 if TYPE_CHECKING:
+    from perfqr_cad.capture import Capture
     from perfqr_cad.design import Design
     from perfqr_cad.surface import Triangles
 
@@ -42,7 +43,7 @@ def summary(design: Design) -> str:
         f"L(Q) = {pattern.readability.total:.4g}",
         f"pattern   module {pattern.module_mm:.3f} mm, {pattern.islands_before} islands, {bridges} bridges, "
         f"{lost} codewords lost",
-        f"strength  {design.reinforcement.status}: {stress.max_stress_mpa:.3g} MPa of {stress.yield_mpa:g} MPa, "
+        f"strength  {_status(design)}: {stress.max_stress_mpa:.3g} MPa of {stress.yield_mpa:g} MPa, "
         f"deflection {stress.max_deflection_mm:.3g} mm, {stress.material}, {stress.mass_g:.1f} g",
         f"solid     {size} mm, {solid.volume_mm3:.1f} mm³, {solid.faces} faces, "
         f"{'valid' if solid.valid else 'NOT VALID'}",
@@ -57,6 +58,35 @@ def payload_text(design: Design) -> str | None:
     from perfqr_cad.symbol import payload_of
 
     return payload_of(design.symbol).text
+
+
+def reading(capture: Capture) -> dict[str, Any]:
+    """What a picture says, and how damaged it is: errors per block and L(Q), Eqs. (1)-(3)."""
+    from perfqr_cad.symbol import readability
+
+    recovery = capture.recovery
+    found = readability(recovery.observed, recovery.symbol)
+    payload = recovery.payload
+    return {
+        "payload": payload.text,
+        "data_hex": None if payload.text is not None else payload.data.hex(),
+        "version": recovery.symbol.version,
+        "level": recovery.symbol.level,
+        "mask": recovery.symbol.mask,
+        "blocks": [
+            {"errors": errors, "capacity": capacity, "erasures": erasures}
+            for errors, capacity, erasures in zip(
+                recovery.errors, recovery.capacity, recovery.erasures, strict=True
+            )
+        ],
+        "format_regions_damaged": found.format_regions_damaged,
+        "loss": found.total,
+        "unused_correction": found.unused_correction,
+        "art": capture.art.kind,
+        "submodules": capture.art.scale,
+        "inverted": capture.inverted,
+        "found_by": capture.engine,
+    }
 
 
 def _symbol(design: Design) -> dict[str, Any]:
@@ -118,11 +148,17 @@ def _structure(design: Design) -> dict[str, Any]:
         "safety_factor": stress.safety_factor,
         "max_deflection_mm": stress.max_deflection_mm,
         "mass_g": stress.mass_g,
-        "iterations": loop.iterations,
-        "status": loop.status,
+        "iterations": 0 if loop is None else loop.iterations,
+        "status": _status(design),
         "solver": stress.solver,
         "warnings": list(stress.warnings),
     }
+
+
+def _status(design: Design) -> str:
+    if design.reinforcement is not None:
+        return design.reinforcement.status
+    return "strong" if design.stress.strong else "weak: not reinforced"
 
 
 def _solid(design: Design) -> dict[str, Any]:

@@ -109,10 +109,11 @@ def make(
 @app.command()
 def read(picture: Annotated[Path, typer.Argument(metavar="IMAGE")], as_json: _Json = False) -> None:
     """Read a picture of a code: payload, version, level, mask, errors per block, and L(Q)."""
-    from perfqr_cad import design
+    from perfqr_cad.capture import read as capture
+    from perfqr_cad.certificate import reading
 
     with _progress():
-        report = design.reading(picture)
+        report = reading(capture(picture))
     if as_json:
         _print_json(report)
     else:

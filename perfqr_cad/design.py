@@ -71,16 +71,12 @@ class Design:
     symbol: Symbol
     pattern: Pattern
     placement: Placement
-    reinforcement: Reinforcement
     solid: Solid
+    stress: StressField
     scan: ScanReport
+    reinforcement: Reinforcement | None = None
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
     files: tuple[FileRecord, ...] = ()
-
-    @property
-    def stress(self) -> StressField:
-        """The stress field of the finished part."""
-        return self.reinforcement.after
 
     @property
     def part(self) -> build123d.Part:
