@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,14 +27,15 @@ METRIC = 1  # $MEASUREMENT
 
 def write(design: DesignView, path: Path) -> None:
     """Write the reading face: what to cut on `OUTLINE` and `HOLES`, where material was added on `BRIDGES`."""
-    document = _document()
-    space = document.modelspace()
-    region = design.pattern.region
-    for loop, layer in [(region.outer, OUTLINE), *((hole, HOLES) for hole in region.holes)]:
-        _add_loop(space, loop, {"layer": layer})
-    for bridge in design.pattern.bridges:
-        space.add_lwpolyline(_corners(bridge), format="xy", close=True, dxfattribs={"layer": BRIDGES})
-    _save(document, path)
+    with _without_clock():
+        document = _document()
+        space = document.modelspace()
+        region = design.pattern.region
+        for loop, layer in [(region.outer, OUTLINE), *((hole, HOLES) for hole in region.holes)]:
+            _add_loop(space, loop, {"layer": layer})
+        for bridge in design.pattern.bridges:
+            space.add_lwpolyline(_corners(bridge), format="xy", close=True, dxfattribs={"layer": BRIDGES})
+        document.saveas(path)
 
 
 def _document() -> Drawing:
@@ -47,14 +49,15 @@ def _document() -> Drawing:
     return document
 
 
-def _save(document: Drawing, path: Path) -> None:
-    """Save without the time and the random identifiers that ezdxf puts into the header."""
+@contextmanager
+def _without_clock() -> Iterator[None]:
+    """Make and save documents without the times and random identifiers that ezdxf puts into the header."""
     import ezdxf
 
     before = ezdxf.options.write_fixed_meta_data_for_testing
     ezdxf.options.write_fixed_meta_data_for_testing = True
     try:
-        document.saveas(path)
+        yield
     finally:
         ezdxf.options.write_fixed_meta_data_for_testing = before
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .colour import linear
 from .design_view import DesignView
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def _material(body: Solid) -> dict[str, Any]:
     return {
         "name": body.name,
         "pbrMetallicRoughness": {
-            "baseColorFactor": [*body.colour, 1.0],  # linear light
+            "baseColorFactor": [*linear(body.colour).tolist(), 1.0],
             "metallicFactor": 0.0,
             "roughnessFactor": ROUGHNESS,
         },

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
 
-from .colour import exposed
+from .colour import exposed, linear
 from .design_view import DesignView
 
 if TYPE_CHECKING:
     from .raycast import Camera
 
 WIDTH_PX, HEIGHT_PX = 1040, 780
-GROUND = (0.055, 0.066, 0.084)  # linear light: slate, dark enough for the holes to read as the dark tone
+GROUND = (0.26, 0.285, 0.32)  # sRGB: slate, dark enough for the holes to read as the dark tone
 TILT_DEG, TURN_DEG = 33.0, -24.0  # of the view from the code's normal, and about it
 UPRIGHT_TILT_DEG, UPRIGHT_TURN_DEG = 16.0, 24.0  # above the horizon and to the side, for curved parts
 SPREAD = 0.20  # tangent of half the picture's width: a long lens, little perspective
@@ -53,7 +53,7 @@ def picture(design: DesignView, width: int, height: int) -> NDArray[np.uint8]:
     ground = _ground(points, up)
     counts = [*map(len, corners), len(ground)]
     colours = np.repeat([*(body.colour for body in bodies), GROUND], counts, axis=0)
-    scene = Scene(np.concatenate([*corners, ground]), colours)
+    scene = Scene(np.concatenate([*corners, ground]), linear(colours))
     camera = _camera(points, up, lies, width / height)
     look = Look(up=tuple(up), key_direction=KEY_LYING if lies else KEY_UPRIGHT)
     shade = picture(scene, camera, look, width, height, lift=LIFT * _size(points))

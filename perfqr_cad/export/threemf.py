@@ -7,9 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
 
-import numpy as np
-
-from .colour import coded
 from .design_view import DesignView
 
 if TYPE_CHECKING:
@@ -71,7 +68,7 @@ def _model(name: str, bodies: list[Solid]) -> str:
 
 
 def _material(body: Solid) -> str:
-    colour = coded(np.array(body.colour)).tobytes().hex().upper()
+    colour = "".join(f"{round(255 * part):02X}" for part in body.colour)
     return f'<base name={quoteattr(body.name)} displaycolor="#{colour}"/>\n'
 
 

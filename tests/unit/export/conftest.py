@@ -14,7 +14,8 @@ import shapely.affinity
 from perfqr_cad.pattern import Arc, Bezier, Bridge, Circle, Line, Loop, Region
 from perfqr_cad.surface import Cylinder, Placement, Plane, Triangles
 
-IVORY, BLACK = (0.92, 0.92, 0.90), (0.05, 0.05, 0.06)  # linear light
+IVORY, BLACK = (0.92, 0.92, 0.90), (0.05, 0.05, 0.06)
+BACKING_MM = 1.0
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class Part:
 
     def with_backing(self) -> Part:
         width = shapely.box(*self.pattern.polygon.bounds)
-        plate = extrude(width, Plane(1.0), lift_mm=-self.placement.thickness_mm)
+        plate = extrude(width, Plane(BACKING_MM), lift_mm=-BACKING_MM)
         backing = Body(plate, "backing", BLACK, plate.volume_mm3)
         return replace(self, solid=replace(self.solid, extras=(backing,)))
 
@@ -77,7 +78,8 @@ def extrude(polygon: shapely.Polygon, placement: Placement, lift_mm: float = 0.0
 
 def part(region: Region, placement: Placement, bridges: tuple[Bridge, ...] = ()) -> Part:
     triangles = extrude(region.polygon(), placement)
-    body = Body(triangles, "test-part", IVORY, triangles.volume_mm3)
+    volume_mm3 = region.area * placement.thickness_mm if placement.is_flat else triangles.volume_mm3
+    body = Body(triangles, "test-part", IVORY, volume_mm3)
     return Part(Drawn(region, bridges), placement, body)
 
 
@@ -106,14 +108,13 @@ def curved_region() -> Region:
 
 
 def code_region(text: str, size_mm: float) -> Region:
-    """The light modules of a code as one piece: corners joined, each island held by a thin diagonal."""
-    dark = np.pad(np.array([list(row) for row in segno.make(text, error="M").matrix], bool), 4)
+    """The light modules of a code: corners joined, finders held by a bar, other islands left out."""
+    dark = np.pad(np.array([list(row) for row in segno.make(text, error="M", micro=False).matrix], bool), 4)
     n, m = len(dark), size_mm / len(dark)
     squares = [shapely.box(c * m, -(r + 1) * m, (c + 1) * m, -r * m) for r, c in np.argwhere(~dark).tolist()]
     joined = shapely.unary_union([square.buffer(0.08 * m, join_style="mitre") for square in squares])
-    bars = [shapely.LineString([(4 * m, -4 * m), (11.5 * m, -11.5 * m)]).buffer(0.1 * m)]
-    bars += [shapely.LineString([((n - 4) * m, -4 * m), ((n - 11.5) * m, -11.5 * m)]).buffer(0.1 * m)]
-    bars += [shapely.LineString([(4 * m, -(n - 4) * m), (11.5 * m, -(n - 11.5) * m)]).buffer(0.1 * m)]
+    rings = [(4, 4), (n - 11, 4), (4, n - 11)]  # a bar over each finder's dark ring, near its corner
+    bars = [shapely.box((c + 1.4) * m, -(r + 1.1) * m, (c + 1.6) * m, -r * m) for c, r in rings]
     whole = shapely.unary_union([joined, *bars])
     largest = max(whole.geoms, key=lambda p: p.area) if whole.geom_type == "MultiPolygon" else whole
     return Region.from_polygon(shapely.affinity.translate(largest, -size_mm / 2, size_mm / 2))
