@@ -58,7 +58,7 @@ def write_step(solid: Solid, path: str | Path, *, product: str | None = None) ->
             written.append(Body(topology.solid(body.shape, body.name), body.name, body.colour))
     title = product or solid.name
     document.write(written, title)
-    Path(path).write_text(part.file(Path(path).name, title), "ascii")
+    Path(path).write_text(part.file(f"{title}.step", title), "ascii")
 
 
 def read_step(path: str | Path, *, heal: bool = True) -> tuple[StepPart, ...]:

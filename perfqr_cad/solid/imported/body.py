@@ -89,8 +89,17 @@ class Body:
         entering = np.einsum("ki,ki->k", self.facet_normals[triangle], directions[ray]) < 0
         return Crossings(ray, distance, triangle, self._normals_at(triangle, at), entering)
 
-    def samples(self, count: int, seed: int, faces: Index | None = None) -> tuple[Array, Array]:
-        """Points (count, 3) spread evenly over the surface, or over some faces, and their normals."""
+    def nearest(self, point: Array) -> tuple[int, Array]:
+        """The triangle nearest to a point and the point of it that is nearest."""
+        import trimesh
+
+        corners = self.triangles.vertices[self.triangles.faces]
+        on = trimesh.triangles.closest_point(corners, np.broadcast_to(point, (len(corners), 3)))
+        triangle = int(np.argmin(np.linalg.norm(on - point, axis=1)))
+        return triangle, on[triangle]
+
+    def samples(self, count: int, seed: int, faces: Index | None = None) -> tuple[Array, Array, Index]:
+        """Points (count, 3) spread evenly over the surface (or some faces), normals, and numbers of their faces."""
         weight = self.areas_mm2 if faces is None else self.areas_mm2 * np.isin(self.face_of, faces)
         random = np.random.default_rng(seed)
         triangle = random.choice(len(weight), count, p=weight / weight.sum())
@@ -98,7 +107,7 @@ class Body:
         u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
         a, b, c = np.moveaxis(self.triangles.vertices[self.triangles.faces[triangle]], 1, 0)
         points = a + u[:, None] * (b - a) + v[:, None] * (c - a)
-        return points, self._normals_at(triangle, points)
+        return points, self._normals_at(triangle, points), self.face_of[triangle]
 
     def _normals_at(self, triangle: Index, at: Array) -> Array:
         """Corner normals interpolated at points of triangles."""

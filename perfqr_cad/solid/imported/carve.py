@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,11 +14,11 @@ from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.pattern.outline import Loop, Region
 from perfqr_cad.solid import occ
 from perfqr_cad.solid.imported import kernel
-from perfqr_cad.solid.imported.body import Array, Body, body_of_solid
+from perfqr_cad.solid.imported.body import Array
 from perfqr_cad.solid.imported.face_chart import FaceChart
+from perfqr_cad.solid.imported.host import Host
 from perfqr_cad.solid.imported.lay import Laid, Projected
 from perfqr_cad.solid.imported.removed import removed_mm3
-from perfqr_cad.solid.imported.skin import Skin
 from perfqr_cad.solid.imported.survey import probe
 from perfqr_cad.solid.imported.tool import carved_mesh, prism
 from perfqr_cad.solid.punch import perforated, solid_of
@@ -35,34 +33,6 @@ if TYPE_CHECKING:
 # Removed volume of the exact solid against the integral of the wall over the holes; both are good to 1e-5.
 VOLUME_TOLERANCE = 1e-3
 SAMPLE_MM = 0.5  # along a loop, when asking which faces it lies on
-
-
-@dataclass(frozen=True)
-class Host:
-    """A solid that receives a code, with its faces and its mesh."""
-
-    name: str
-    shape: TopoDS_Solid
-
-    @cached_property
-    def faces(self) -> list[TopoDS_Face]:
-        """Faces in the kernel's order."""
-        return kernel.faces(self.shape)
-
-    @cached_property
-    def skins(self) -> list[Skin]:
-        """The same as exact surfaces."""
-        return [Skin(face) for face in self.faces]
-
-    @cached_property
-    def body(self) -> Body:
-        """The same as tagged triangles."""
-        return body_of_solid(self.shape, self.faces)
-
-    @cached_property
-    def volume_mm3(self) -> float:
-        """Volume of the solid."""
-        return occ.volume(self.shape)
 
 
 def carve(host: Host, region: Region, laid: Laid, walls: Walls) -> Solid:

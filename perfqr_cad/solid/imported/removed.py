@@ -14,7 +14,7 @@ from perfqr_cad.solid.imported.survey import probe
 from perfqr_cad.solid.mesh import delaunay
 
 if TYPE_CHECKING:
-    from perfqr_cad.solid.imported.carve import Host
+    from perfqr_cad.solid.imported.host import Host
 
 # Three points a triangle integrate exactly what is quadratic over it; two depths what is cubic through the wall.
 TRIANGLE_POINTS = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6

@@ -87,6 +87,23 @@ class Skin:
         normal = np.cross(du.Coord(), dv.Coord()) * self.outward_sign
         return normal / np.linalg.norm(normal)
 
+    def foot(self, point: Array) -> tuple[Array, Array] | None:
+        """The exact point of the face's surface nearest to a point, and its outward normal; None at a pole."""
+        from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
+        from OCP.gp import gp_Pnt, gp_Vec
+
+        search = GeomAPI_ProjectPointOnSurf(gp_Pnt(*point.tolist()), self.surface, *self.bounds)
+        if not search.NbPoints():
+            return None
+        u, v = search.LowerDistanceParameters()
+        p, du, dv = gp_Pnt(), gp_Vec(), gp_Vec()
+        self.surface.D1(u, v, p, du, dv)
+        normal = np.cross(du.Coord(), dv.Coord()) * self.outward_sign
+        length = float(np.linalg.norm(normal))
+        if length < 1e-9 * np.linalg.norm(du.Coord()) * np.linalg.norm(dv.Coord()) or length == 0.0:
+            return None
+        return np.array(p.Coord()), normal / length
+
     def meet(self, origins: Array, frames: Array, guesses: Array, reach_mm: float) -> tuple[Array, Array]:
         """Where lines meet the surface: parameters (k, 2) and points (k, 3).
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +20,6 @@ MAX_WALL_MODULES = 5.0
 STEP_SLACK = 0.05  # of the sample spacing: height change that no slope explains
 INSET = 1e-4  # of the code's edge: rays of the rim fall just inside a face of exactly the code's size
 FINE, COARSE = 61, 9  # samples a side: to judge a place, and to look for one
-CANDIDATES = 400  # places tried when the wanted one does not work
 
 
 @dataclass(frozen=True)
@@ -228,18 +226,6 @@ def survey(body: Body, frame: Frame, size_mm: float, samples: int = FINE) -> Sur
         met.back.reshape(square),
         met.hidden.reshape(square),
     )
-
-
-def places(
-    body: Body, wanted: Array, faces: Index | None, up: ArrayLike | None, count: int = CANDIDATES, seed: int = 0
-) -> Iterator[Frame]:
-    """Frames on the surface (or on some faces), the nearest to the wanted point first."""
-    points, normals = body.samples(count, seed, faces)
-    for i in np.argsort(np.linalg.norm(points - wanted, axis=1), kind="stable"):
-        try:
-            yield Frame.at(points[i], normals[i], up)
-        except DesignError:  # `up` along this one normal: the next place will do
-            continue
 
 
 def _neighbours(values: NDArray, axis: int) -> tuple[NDArray, NDArray]:

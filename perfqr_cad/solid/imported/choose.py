@@ -1,0 +1,194 @@
+"""Finding the place for a code on a solid: a given face, a given spot, or the largest face that takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from perfqr_cad.errors import DesignError
+from perfqr_cad.solid.imported.body import Array
+from perfqr_cad.solid.imported.survey import COARSE, Frame, Survey, survey
+
+if TYPE_CHECKING:
+    from perfqr_cad.solid.imported.host import Host
+
+Problem = Callable[[Survey], str | None]
+
+CANDIDATES = 160  # spots tried on one face, or round a spot that does not work
+FACES_TRIED = 40
+TURNS_DEG = (0.0, 45.0, 30.0, 60.0, 15.0, 75.0)
+SIZE_STEPS = 24  # halvings when the largest size is sought
+ON_FACE_MM = 1e-3  # a given point this near to the surface is on it
+SEED = 0
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What the user said about the place: face number (from 1), or a point and a viewing direction, and up."""
+
+    face: int | None = None
+    point: tuple[float, float, float] | None = None
+    direction: tuple[float, float, float] | None = None
+    up: tuple[float, float, float] | None = None
+
+
+def place(host: Host, wish: Wish, size_mm: float, problem: Problem) -> Survey:
+    """The survey of the place for a code of that edge.
+
+    Raises `DesignError` with the reason, the largest size that works there and the nearest place that works.
+    """
+    if wish.point is not None:
+        return _judged(host, _at_point(host, wish), size_mm, problem, wish)
+    if wish.face is not None:
+        index = _number(host, wish.face)
+        found = _on_face(host, index, size_mm, problem, wish.up)
+        if found is None:
+            frame = _centre(host, index, wish.up)
+            return _judged(host, frame, size_mm, problem, wish)
+        return found
+    return _largest_that_fits(host, size_mm, problem, wish)
+
+
+def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wish: Wish) -> Survey:
+    areas = np.bincount(host.body.face_of, host.body.areas_mm2, minlength=len(host.faces))
+    order = np.argsort(-areas, kind="stable")[:FACES_TRIED]
+    for index in order[areas[order] > 0]:
+        # A face smaller than the code may still carry it together with the faces it runs smoothly into.
+        found = _on_face(host, int(index), size_mm, problem, wish.up)
+        if found is not None:
+            return found
+    frame = _centre(host, int(order[0]), wish.up)
+    reason = problem(survey(host.body, frame, size_mm)) or "no place takes it"
+    largest = max(_largest_mm(host, _centre(host, int(i), wish.up), problem, size_mm) for i in order[:8])
+    raise DesignError(f"no face of {host.name!r} takes a code of {size_mm:.4g} mm; on the largest, {reason}{_size(largest)}")
+
+
+def _on_face(
+    host: Host, index: int, size_mm: float, problem: Problem, up: ArrayLike | None
+) -> Survey | None:
+    """The first spot of a face, from its middle outwards, that takes the code."""
+    for frame in _spots(host, index, up):
+        if problem(survey(host.body, frame, size_mm, COARSE)) is None:
+            fine = survey(host.body, frame, size_mm)
+            if problem(fine) is None:
+                return fine
+    return None
+
+
+def _spots(host: Host, index: int, up: ArrayLike | None) -> list[Frame]:
+    """Frames on a face, those next to its middle first; without a wish for `up`, turned ones at the end."""
+    points, _, _ = host.body.samples(CANDIDATES, SEED, np.array([index]))
+    middle = points.mean(axis=0)
+    order = np.argsort(np.linalg.norm(points - middle, axis=1), kind="stable")
+    frames = [host.frame_near(index, p, up) for p in (middle, *points[order])]
+    frames = [f for f in frames if f is not None]
+    if up is not None:
+        return frames
+    return [f.turned(a) for a in TURNS_DEG for f in (frames if a == 0 else frames[: CANDIDATES // 8])]
+
+
+def _centre(host: Host, index: int, up: ArrayLike | None) -> Frame:
+    spots = _spots(host, index, up)
+    if not spots:
+        raise DesignError(f"face {index + 1} of {host.name!r} has no usable spot: choose another face")
+    return spots[0]
+
+
+def _judged(host: Host, frame: Frame, size_mm: float, problem: Problem, wish: Wish) -> Survey:
+    """The survey at one frame, or the refusal with what would work instead."""
+    found = survey(host.body, frame, size_mm)
+    reason = problem(found)
+    if reason is None:
+        return found
+    largest = _largest_mm(host, frame, problem, size_mm)
+    nearest = _nearest(host, frame, size_mm, problem, wish.up)
+    if nearest is None:
+        remedy = _size(largest) or "; no place on the part takes it: choose a smaller size"
+    else:
+        away = float(np.linalg.norm(nearest.origin - frame.origin))
+        remedy = (
+            f"{_size(largest)}; the nearest place that works is {away:.3g} mm away: point={_triple(nearest.origin)} "
+            f"direction={_triple(-nearest.axes[2])}"
+        )
+    raise DesignError(f"a code of {size_mm:.4g} mm does not work at {_triple(frame.origin)}: {reason}{remedy}")
+
+
+def _largest_mm(host: Host, frame: Frame, problem: Problem, size_mm: float) -> float:
+    """Edge of the largest code below `size_mm` that works at a frame, 0 when none above a twentieth does."""
+    low, high = 0.0, size_mm
+    if problem(survey(host.body, frame, size_mm / 20)) is not None:
+        return 0.0
+    for _ in range(SIZE_STEPS):
+        if high - low < 0.005 * size_mm:
+            break
+        middle = (low + high) / 2
+        low, high = (middle, high) if problem(survey(host.body, frame, middle)) is None else (low, middle)
+    return low
+
+
+def _nearest(host: Host, frame: Frame, size_mm: float, problem: Problem, up: ArrayLike | None) -> Frame | None:
+    points, normals, faces = host.body.samples(2 * CANDIDATES, SEED)
+    facing = normals @ frame.axes[2]
+    # The same side of the part first: another side is rarely what was meant.
+    order = np.lexsort((np.linalg.norm(points - frame.origin, axis=1), facing < 0.5))
+    for i in order:
+        spot = host.frame_near(int(faces[i]), points[i], up)
+        if spot is None or problem(survey(host.body, spot, size_mm, COARSE)) is not None:
+            continue
+        if problem(survey(host.body, spot, size_mm)) is None:
+            return spot
+    return None
+
+
+def _at_point(host: Host, wish: Wish) -> Frame:
+    """Where the reader, at the point and looking along the direction, first meets the part.
+
+    A point on the surface itself is taken as it is; without a direction the nearest surface is meant.
+    """
+    point = np.asarray(wish.point, float)
+    if wish.direction is None:
+        index, on = host.nearest(point)
+        return _required(host.frame_near(index, on, wish.up), point)
+    look = np.asarray(wish.direction, float)
+    if not np.linalg.norm(look) > 0:
+        raise DesignError(f"direction={_triple(look)} has no length: give the direction the reader looks in")
+    look = look / np.linalg.norm(look)
+    index, on = host.nearest(point)
+    if np.linalg.norm(on - point) < ON_FACE_MM:
+        return _required(host.frame_near(index, on, wish.up), point)
+    found = host.body.crossings(point[None], look[None])
+    entering = np.flatnonzero(found.entering)
+    if not len(entering):
+        raise DesignError(
+            f"looking from {_triple(point)} along {_triple(look)} meets no outer face of {host.name!r}: "
+            "start outside the part and look at it"
+        )
+    first = entering[0]
+    hit = point + found.distance_mm[first] * look
+    return _required(host.frame_near(int(host.body.face_of[found.triangle[first]]), hit, wish.up), hit)
+
+
+def _required(frame: Frame | None, at: Array) -> Frame:
+    if frame is None:
+        raise DesignError(f"the surface has no normal at {_triple(at)}: move the point a little")
+    return frame
+
+
+def _number(host: Host, face: int) -> int:
+    if not 1 <= face <= len(host.faces):
+        raise DesignError(f"face {face} does not exist: {host.name!r} has faces 1 to {len(host.faces)}")
+    return face - 1
+
+
+def _size(largest_mm: float) -> str:
+    return f"; at most {np.floor(largest_mm * 100) / 100:.4g} mm works there" if largest_mm > 0 else ""
+
+
+def _triple(v: ArrayLike) -> str:
+    return "(" + ",".join(f"{x:.4g}" for x in np.asarray(v, float)) + ")"
+
+

@@ -1,0 +1,65 @@
+"""A solid that receives a code: its exact faces, its mesh, and where things are on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from perfqr_cad.errors import DesignError
+from perfqr_cad.solid.imported import kernel
+from perfqr_cad.solid.imported.body import Array, Body, body_of_solid
+from perfqr_cad.solid.imported.skin import Skin
+from perfqr_cad.solid.imported.survey import Frame
+
+if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Face, TopoDS_Solid
+
+
+@dataclass(frozen=True)
+class Host:
+    """A valid solid in mm and views of it, each made when first asked for."""
+
+    name: str
+    shape: TopoDS_Solid
+
+    @cached_property
+    def faces(self) -> list[TopoDS_Face]:
+        """Faces in the kernel's order."""
+        return kernel.faces(self.shape)
+
+    @cached_property
+    def skins(self) -> list[Skin]:
+        """The same as exact surfaces."""
+        return [Skin(face) for face in self.faces]
+
+    @cached_property
+    def body(self) -> Body:
+        """The same as tagged triangles."""
+        return body_of_solid(self.shape, self.faces)
+
+    @cached_property
+    def volume_mm3(self) -> float:
+        """Volume of the solid."""
+        return kernel.volume(self.shape)
+
+    def nearest(self, point: Array) -> tuple[int, Array]:
+        """The face nearest to a point, by place, and the nearest point on it."""
+        triangle, on = self.body.nearest(point)
+        return int(self.body.face_of[triangle]), on
+
+    def frame_near(self, face: int, point: Array, up: ArrayLike | None) -> Frame | None:
+        """The frame at the exact point of a face nearest to a point; None where it has no normal."""
+        foot = self.skins[face].foot(point)
+        if foot is None:
+            return None
+        on, normal = foot
+        try:
+            return Frame.at(on, normal, up)
+        except DesignError:
+            if up is None:
+                raise
+            return None

@@ -1,0 +1,60 @@
+"""A free-form wall z(x, y): the code is projected on it along −z, as the reader sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from perfqr_cad.errors import DesignError
+
+from .placement import Array, Placement, pairs, positive
+from .spline import TensorSpline, tensor
+
+
+@dataclass(frozen=True)
+class HeightField(Placement):
+    """A bicubic B-spline front over a square, and a back `thickness_mm` behind it, measured along the normal.
+
+    Holes run along z, so that a reader in front looks straight through them.
+
+    heights  B-spline of z in mm over the square |x|, |y| ≤ half_mm; see `HeightField.of`
+    """
+
+    heights: TensorSpline
+    half_mm: float
+    thickness_mm: float
+
+    def __post_init__(self) -> None:
+        positive("half_mm", self.half_mm)
+        positive("thickness_mm", self.thickness_mm)
+
+    @staticmethod
+    def of(
+        height: Callable[[Array, Array], Array], half_mm: float, thickness_mm: float, samples: int = 33
+    ) -> HeightField:
+        """The spline through `height(x, y)` on a square grid of `samples` points a side. x and y are (k, m)."""
+        if samples < 4:
+            raise DesignError(f"a grid of {samples} points a side makes no smooth surface: give at least 4")
+        line = np.linspace(-half_mm, half_mm, samples)
+        x, y = np.meshgrid(line, line, indexing="ij")
+        values = np.broadcast_to(np.asarray(height(x, y), dtype=np.float64), x.shape)
+        if not np.isfinite(values).all():
+            raise DesignError("the height field is not finite everywhere on its square: shrink the square")
+        return HeightField(tensor(line, line, values[..., None]), half_mm, thickness_mm)
+
+    def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
+        at = pairs(uv)
+        drop = np.asarray(depth_mm, dtype=np.float64) / self.normal(at)[:, 2]
+        return np.column_stack([at, self.heights(at)[:, 0] - drop])
+
+    def normal(self, uv: ArrayLike) -> Array:
+        at = pairs(uv)
+        slopes = [self.heights(at, d)[:, 0] for d in ((1, 0), (0, 1))]
+        normal = np.column_stack([-slopes[0], -slopes[1], np.ones(len(at))])
+        return normal / np.linalg.norm(normal, axis=1)[:, None]
+
+    def reach_mm(self) -> float:
+        return self.half_mm

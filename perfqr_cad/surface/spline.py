@@ -1,0 +1,113 @@
+"""Cubic splines through points, in one and two parameters, as B-splines that a solid modeller takes over as they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+DEGREE = 3
+
+
+@dataclass(frozen=True)
+class Spline:
+    """A cubic B-spline curve: flat knots (n + 4,) and poles (n, d)."""
+
+    knots: Array
+    poles: Array
+
+    @property
+    def domain(self) -> tuple[float, float]:
+        return float(self.knots[0]), float(self.knots[-1])
+
+    def __call__(self, x: ArrayLike, derivative: int = 0) -> Array:
+        """Values or derivatives (k, d) at k parameters; the end pieces extend beyond the domain."""
+        at = np.asarray(x, dtype=np.float64)
+        first, weights = _basis(self.knots, at, derivative)
+        return np.einsum("ki,kid->kd", weights, self.poles[first[:, None] + np.arange(DEGREE + 1)])
+
+
+@dataclass(frozen=True)
+class TensorSpline:
+    """A bicubic B-spline: flat knots in both parameters and poles (n, m, d)."""
+
+    u_knots: Array
+    v_knots: Array
+    poles: Array
+
+    def __call__(self, uv: Array, derivative: tuple[int, int] = (0, 0)) -> Array:
+        """Values or partial derivatives (k, d) at (k, 2) parameters; the end pieces extend beyond the domain."""
+        iu, wu = _basis(self.u_knots, uv[:, 0], derivative[0])
+        iv, wv = _basis(self.v_knots, uv[:, 1], derivative[1])
+        span = np.arange(DEGREE + 1)
+        poles = self.poles[(iu[:, None] + span)[:, :, None], (iv[:, None] + span)[:, None, :]]
+        return np.einsum("ki,kj,kijd->kd", wu, wv, poles)
+
+
+def interpolated(x: Array, values: Array) -> Spline:
+    """The not-a-knot cubic through (k, d) values at k ≥ 4 rising parameters."""
+    knots = not_a_knot(x)
+    return Spline(knots, np.linalg.solve(collocation(knots, x), values))
+
+
+def tensor(x: Array, y: Array, values: Array) -> TensorSpline:
+    """The bicubic through values (k, m, d) on a grid of at least 4 × 4."""
+    u_knots, v_knots = not_a_knot(x), not_a_knot(y)
+    along_u = np.linalg.solve(collocation(u_knots, x), values.reshape(len(x), -1)).reshape(values.shape)
+    turned = np.swapaxes(along_u, 0, 1)
+    along_v = np.linalg.solve(collocation(v_knots, y), turned.reshape(len(y), -1)).reshape(turned.shape)
+    return TensorSpline(u_knots, v_knots, np.swapaxes(along_v, 0, 1))
+
+
+def not_a_knot(x: Array) -> Array:
+    """Flat knots whose first and last two pieces are one cubic each."""
+    return np.concatenate([np.repeat(x[0], DEGREE + 1), x[2:-2], np.repeat(x[-1], DEGREE + 1)])
+
+
+def collocation(knots: Array, x: Array) -> Array:
+    """Basis values (k, n) at k parameters."""
+    first, weights = _basis(knots, x, 0)
+    matrix = np.zeros((len(x), len(knots) - DEGREE - 1))
+    np.put_along_axis(matrix, first[:, None] + np.arange(DEGREE + 1), weights, axis=1)
+    return matrix
+
+
+def greville(knots: Array) -> Array:
+    """Abscissae (n,) whose values as poles make the spline the identity."""
+    return np.array([knots[i + 1 : i + DEGREE + 1].mean() for i in range(len(knots) - DEGREE - 1)])
+
+
+def _basis(knots: Array, x: Array, derivative: int) -> tuple[NDArray[np.int64], Array]:
+    """Index of the first non-zero basis function and the four values (k, 4): Cox-de Boor, vectorised."""
+    last = len(knots) - DEGREE - 2
+    span = np.clip(np.searchsorted(knots, x, side="right") - 1, DEGREE, last)
+    values = _values(knots, span, x, DEGREE - derivative)
+    for degree in range(DEGREE - derivative + 1, DEGREE + 1):
+        values = _differentiated(knots, span, values, degree)
+    return span - DEGREE, values
+
+
+def _values(knots: Array, span: NDArray[np.int64], x: Array, degree: int) -> Array:
+    values = np.ones((len(x), 1))
+    for p in range(1, degree + 1):
+        index = span[:, None] + np.arange(1 - p, 1)
+        left, right = knots[index], knots[index + p]
+        share = values / (right - left)
+        grown = np.zeros((len(x), p + 1))
+        grown[:, :-1] += share * (right - x[:, None])
+        grown[:, 1:] += share * (x[:, None] - left)
+        values = grown
+    return values
+
+
+def _differentiated(knots: Array, span: NDArray[np.int64], values: Array, degree: int) -> Array:
+    """Derivative weights of one degree from the (derivative) values of the degree below."""
+    index = span[:, None] + np.arange(1 - degree, 1)
+    share = values * degree / (knots[index + degree] - knots[index])
+    grown = np.zeros((len(values), degree + 1))
+    grown[:, :-1] -= share
+    grown[:, 1:] += share
+    return grown
