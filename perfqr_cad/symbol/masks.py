@@ -41,8 +41,8 @@ def mask_pattern(version: int, mask: int) -> BoolArray:
 def penalty(dark: BoolArray) -> int:
     """Penalty points of an (n, n) symbol; the mask with the fewest is used (§7.8.3.1).
 
-    The quiet zone counts as light beside a finder-like pattern; a pattern with four light modules on both
-    sides counts twice. ISO leaves both open; these are the choices of the nayuki encoder.
+    The quiet zone counts as light beside a finder-like pattern, and a pattern that is light on both sides
+    counts once: so read, the rules give the mask of the standard's own example (Annex I).
     """
     lines = np.vstack([dark, dark.T])
     return _long_runs(lines) + _squares(dark) + _finder_likes(lines) + _imbalance(dark)
@@ -67,14 +67,12 @@ def _squares(dark: BoolArray) -> int:
 
 
 def _finder_likes(lines: BoolArray) -> int:
-    """N3 for each 1:1:3:1:1 in a row or column, per side that is light for four units more."""
+    """N3 for each 1:1:3:1:1 in a row or column with four units of light before or after it."""
     quiet = np.pad(lines, ((0, 0), (lines.shape[1], lines.shape[1]))).ravel()
     runs = np.diff(np.flatnonzero(np.diff(quiet, prepend=True, append=True)))  # light, dark, … light
     before, a, b, c, d, e, after = (runs[k : len(runs) - 6 + k : 2] for k in range(7))
     core = (a == b) & (c == 3 * a) & (d == a) & (e == a)
-    left = core & (before >= 4 * a) & (after >= a)
-    right = core & (after >= 4 * a) & (before >= a)
-    return N3 * int(np.count_nonzero(left) + np.count_nonzero(right))
+    return N3 * int(np.count_nonzero(core & ((before >= 4 * a) | (after >= 4 * a))))
 
 
 def _imbalance(dark: BoolArray) -> int:

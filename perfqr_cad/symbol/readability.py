@@ -36,7 +36,8 @@ class Readability:
     errors, capacity        erroneous codewords of each block, and r
     format_regions_damaged  0-4
     unused_correction       least share of a block's error correction codewords that is left, in [0, 1]:
-                            1 − 2·errors/ec (ISO/IEC 15415 §7.5.9 without its p; zxing-cpp's UEC)
+                            1 − 2·errors/ec (ISO/IEC 15415 §7.5.9 without its p). zxing-cpp computes
+                            the same figure, UEC, and prints two digits of it
     """
 
     codeword_loss: float
