@@ -152,31 +152,21 @@ def run(request: Request, target: Target | None = None) -> Design:
         drawn = patterns.build(symbol, spec, None if capture is None else capture.art)
         placement = target.placement(drawn.size_mm)
     with watch("structure"):
-        reinforcement = structure.reinforce(
+        stress = structure.analyse(
             drawn,
             placement,
             material=material,
             load=structure.Pressure(request.pressure_mpa),
             support=request.support,
             yield_mpa=request.yield_mpa,
-            method=request.method,
+            nozzle_mm=request.nozzle_mm,
         )
     with watch("solid"):
-        solid = target.solid(reinforcement.pattern, placement, walls)
+        solid = target.solid(drawn, placement, walls)
     with watch("scan"):
-        report = scan.certify(solid.triangles, placement, reinforcement.pattern, _payload(symbol))
+        report = scan.certify(solid.triangles, placement, drawn, _payload(symbol), seed=request.seed)
     _require_readable(report)
-    return Design(
-        request,
-        capture,
-        symbol,
-        reinforcement.pattern,
-        placement,
-        reinforcement,
-        solid,
-        report,
-        watch.seconds,
-    )
+    return Design(request, capture, symbol, drawn, placement, solid, stress, report, timings_s=watch.seconds)
 
 
 def _source(request: Request) -> tuple[Capture | None, Symbol]:
