@@ -1,8 +1,10 @@
 """The 2-D design in millimetres: outlines, islands, bridges."""
 
-from .outline import Arc, Bezier, Circle, Line, Loop, Region
-from .pattern import Bridge, Optimality, Pattern
-from .spec import PatternSpec
+from perfqr_cad.pattern.bridge import Bridge
+from perfqr_cad.pattern.build import build
+from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Loop, Region
+from perfqr_cad.pattern.pattern import Optimality, Pattern
+from perfqr_cad.pattern.spec import PatternSpec
 
 __all__ = [
     "Arc",
@@ -15,4 +17,5 @@ __all__ = [
     "Pattern",
     "PatternSpec",
     "Region",
+    "build",
 ]

@@ -4,26 +4,33 @@ from __future__ import annotations
 
 import numpy as np
 
-from perfqr_cad.pattern.draft import Draft, Rect
+from perfqr_cad.pattern.draft import Bar, Draft, Rect
 from perfqr_cad.pattern.lattice import label
 from perfqr_cad.pattern.routing import Field, Route, brush_grid, routes
-from perfqr_cad.pattern.sampling import NOISE_SIGMA, blur_weights, right_contrast
+from perfqr_cad.pattern.sampling import blur_weights, misread_chance, right_contrast, sample_weights
 from perfqr_cad.symbol import Symbol
 
 AREA_PRICE = 0.02  # expected misread modules that a module's area of change is worth: appearance comes last
+BRIDGE_DOSE = (
+    0.3  # brightness that a bridge along its edge adds to a module: the rise of its risk is taken over this
+)
+CENTRE_PRICE = 4.0  # expected misread modules for painting over the whole sampled centre of a module
 STEPS_PER_MODULE = 4
 
 
 def cell_price(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Field:
-    """(cells, cells) price of making a cell solid: rise in the expected number of misread modules, and its area."""
+    """(cells, cells) price of making a cell solid: expected misread modules more, and its area."""
     lattice = draft.lattice
     u, quiet, n = lattice.per_module, lattice.quiet, lattice.modules
-    contrast = right_contrast(lattice, symbol, solid_is_dark) / NOISE_SIGMA
-    slope = np.exp(-(contrast**2) / 2) / (NOISE_SIGMA * np.sqrt(2 * np.pi))
+    contrast = right_contrast(lattice, symbol, solid_is_dark)
     harmful = symbol.matrix.dark != solid_is_dark
+    rise = harmful * (misread_chance(contrast - BRIDGE_DOSE) - misread_chance(contrast)) / BRIDGE_DOSE
     weights = blur_weights(n + 2 * quiet, u)[quiet : quiet + n]
-    rise = weights.T @ (slope * harmful) @ weights
-    return rise + AREA_PRICE / u**2
+    price = weights.T @ rise @ weights + AREA_PRICE / u**2
+    centre = np.kron(CENTRE_PRICE * harmful, np.outer(sample_weights(u), sample_weights(u)))
+    edge = quiet * u
+    price[edge : edge + n * u, edge : edge + n * u] += centre
+    return price
 
 
 def join(draft: Draft, symbol: Symbol, web_mm: float, solid_is_dark: bool) -> Draft:
@@ -37,14 +44,12 @@ def join(draft: Draft, symbol: Symbol, web_mm: float, solid_is_dark: bool) -> Dr
     grid = brush_grid(draft.solid, labels, price, brush, lattice.per_module // STEPS_PER_MODULE)
     least = AREA_PRICE * brush * (lattice.per_module // STEPS_PER_MODULE) / lattice.per_module**2 * 1e-3
     chosen = spanning_tree(routes(grid, least))
-    for route in chosen:
-        draft = draft.with_bars(route_bars(route, brush), "connectivity", route.price)
-    return draft
+    return draft.with_bars([bar for route in chosen for bar in route_bars(route, brush)], "connectivity")
 
 
-def route_bars(route: Route, brush: int) -> list[tuple[Rect, bool]]:
-    """The straight bars that paint a route, each with whether it runs along x."""
-    return [(Rect(*r), r[2] - r[0] > r[3] - r[1]) for r in route.rectangles(brush)]
+def route_bars(route: Route, brush: int) -> list[Bar]:
+    """The straight bars that paint a route."""
+    return [Bar(Rect(*r), r[2] - r[0] > r[3] - r[1], route.price) for r in route.rectangles(brush)]
 
 
 def spanning_tree(links: list[Route]) -> list[Route]:

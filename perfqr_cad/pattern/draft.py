@@ -6,12 +6,13 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
+from perfqr_cad.pattern.bridge import Bridge, Stage
 from perfqr_cad.pattern.lattice import Cells, Lattice, checkerboards
-from perfqr_cad.pattern.pattern import Bridge, Stage
 
 MAX_LINK_ROUNDS = 8  # a link may make its neighbours touch at a corner; each round only joins more
 
@@ -25,11 +26,19 @@ class Rect(NamedTuple):
     y1: int
 
 
+class Bar(NamedTuple):
+    """An upright bridge to be: its cells, whether it runs along x, and what it was held to cost."""
+
+    rect: Rect
+    along_x: bool
+    cost: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Draft:
     """The lattice as a reader sees it, and what made it so.
 
-    upright   the solid cells without the slanting bridges, whose exact outline is added at the end
+    upright   the solid cells without the slanted bridges, whose exact outlines are added at the end
     asked     the solid cells of the art as it was asked for
     """
 
@@ -37,6 +46,7 @@ class Draft:
     upright: Cells
     asked: Cells
     bridges: tuple[Bridge, ...] = ()
+    slanted: tuple[Bridge, ...] = ()
     edits: Mapping[str, int] = field(default_factory=dict)
 
     @property
@@ -55,15 +65,15 @@ class Draft:
         lattice = self.lattice.with_solid(change(self.solid, cells))
         return replace(self, lattice=lattice, upright=change(self.upright, cells))
 
-    def with_bars(self, bars: Iterable[tuple[Rect, bool]], stage: Stage, cost: float = 0.0) -> Draft:
-        """Upright bars painted solid; the flag says that a bar runs along x. Bars over solid ground leave no trace."""
+    def with_bars(self, bars: Iterable[Bar], stage: Stage) -> Draft:
+        """Upright bars painted solid. Bars over solid ground leave no trace."""
         solid, upright, laid = self.solid.copy(), self.upright.copy(), []
-        for rect, along_x in bars:
-            if (shown := _void_part(solid, rect, along_x)) is None:
+        for bar in bars:
+            if (shown := _void_part(solid, bar)) is None:
                 continue
-            at = np.s_[rect.y0 : rect.y1, rect.x0 : rect.x1]
+            at = np.s_[bar.rect.y0 : bar.rect.y1, bar.rect.x0 : bar.rect.x1]
             solid[at] = upright[at] = True
-            laid.append(self._bridge(shown, along_x, stage, cost))
+            laid.append(self._bridge(shown, bar, stage))
         return replace(
             self, lattice=self.lattice.with_solid(solid), upright=upright, bridges=(*self.bridges, *laid)
         )
@@ -79,14 +89,23 @@ class Draft:
         canvas = self.solid.astype(np.uint8)
         cv2.fillConvexPoly(canvas, corners, 1, shift=SUBCELL_BITS)
         solid = np.asarray(canvas, np.bool_)
-        return replace(self, lattice=self.lattice.with_solid(solid), bridges=(*self.bridges, bridge))
+        return replace(
+            self,
+            lattice=self.lattice.with_solid(solid),
+            bridges=(*self.bridges, bridge),
+            slanted=(*self.slanted, bridge),
+        )
 
-    def _bridge(self, rect: Rect, along_x: bool, stage: Stage, cost: float) -> Bridge:
+    def _bridge(self, rect: Rect, bar: Bar, stage: Stage) -> Bridge:
         middle_x, middle_y = (rect.x0 + rect.x1) / 2, (rect.y0 + rect.y1) / 2
-        ends = ((rect.x0, middle_y), (rect.x1, middle_y)) if along_x else ((middle_x, rect.y0), (middle_x, rect.y1))
-        width = (rect.y1 - rect.y0) if along_x else (rect.x1 - rect.x0)
+        ends = (
+            ((rect.x0, middle_y), (rect.x1, middle_y))
+            if bar.along_x
+            else ((middle_x, rect.y0), (middle_x, rect.y1))
+        )
+        width = bar.rect.y1 - bar.rect.y0 if bar.along_x else bar.rect.x1 - bar.rect.x0
         to_mm, cell = self.lattice.to_mm, self.lattice.cell_mm
-        return Bridge(to_mm(*ends[0]), to_mm(*ends[1]), width * cell, stage, cost)
+        return Bridge(to_mm(*ends[0]), to_mm(*ends[1]), width * cell, stage, bar.cost)
 
 
 SUBCELL_BITS = 8  # OpenCV's fixed-point fraction
@@ -107,45 +126,65 @@ def strip(bridge: Bridge) -> list[tuple[float, float]]:
     ]
 
 
-def is_slanted(bridge: Bridge) -> bool:
-    """Whether a bridge runs neither along x nor along y, and so is not drawn on the lattice."""
-    (x0, y0), (x1, y1) = bridge.start, bridge.end
-    return x0 != x1 and y0 != y1
-
-
 def link_corners(draft: Draft, web_mm: float) -> Draft:
-    """Joins solid cells that meet at a corner only, by a square whose diagonal is the least web.
+    """Joins solid cells that meet at a corner only, by a 45° band of the least web.
 
-    A corner left as it is would be a non-manifold edge of the solid. The square takes the least area of
-    all shapes that leave a neck of the given width.
+    A corner left as it is would be a non-manifold edge of the solid. The band takes a triangle from each of
+    the two voids, the least area of all shapes that leave a neck of the given width.
     """
-    lattice = draft.lattice
-    half = lattice.whole(web_mm / (2 * math.sqrt(2)))
-    neck_mm = 2 * math.sqrt(2) * half * lattice.cell_mm
+    leg = draft.lattice.whole(web_mm / math.sqrt(2))
     for _ in range(MAX_LINK_ROUNDS):
         corners = checkerboards(draft.upright)
         if not len(corners):
             return draft
         solid, upright, laid = draft.solid.copy(), draft.upright.copy(), []
         for x, y in corners.tolist():
-            falling = draft.upright[y - 1, x - 1]  # solid at the top left and the bottom right
-            at = np.s_[max(y - half, 0) : y + half, max(x - half, 0) : x + half]
-            solid[at] = upright[at] = True
-            slope = half if falling else -half
-            ends = lattice.to_mm(x - half, y - slope), lattice.to_mm(x + half, y + slope)
-            laid.append(Bridge(*ends, neck_mm, "connectivity", 0.0))
-        draft = replace(
-            draft, lattice=lattice.with_solid(solid), upright=upright, bridges=(*draft.bridges, *laid)
-        )
+            falling = bool(draft.upright[y - 1, x - 1])  # solid at the top left and the bottom right
+            for paint in (solid, upright):
+                _paint_band(paint, x, y, leg, falling)
+            laid.append(_corner_bridge(draft.lattice, x, y, leg, falling))
+        lattice = draft.lattice.with_solid(solid)
+        draft = replace(draft, lattice=lattice, upright=upright, bridges=(*draft.bridges, *laid))
     return draft
+
+
+def _paint_band(solid: Cells, x: int, y: int, leg: int, falling: bool) -> None:
+    """Paints the two triangles with the given legs that make a neck through a lattice point.
+
+    The stairs of their cells are read back as straight 45° edges when the outline is drawn.
+    """
+    reach = min(leg, x, y, solid.shape[1] - x, solid.shape[0] - y)
+    triangle = _triangle(leg)[:reach, :reach]
+    above, below = solid[y - reach : y, x - reach : x + reach], solid[y : y + reach, x - reach : x + reach]
+    if falling:
+        above[:, reach:] |= triangle[::-1]
+        below[:, :reach] |= triangle[:, ::-1]
+    else:
+        above[:, :reach] |= triangle[::-1, ::-1]
+        below[:, reach:] |= triangle
+
+
+@cache
+def _triangle(leg: int) -> Cells:
+    """Cells that lie wholly within x + y ≤ leg, from the corner (0, 0)."""
+    step = np.arange(leg)
+    return step[:, None] + step[None, :] + 2 <= leg
+
+
+def _corner_bridge(lattice: Lattice, x: int, y: int, leg: int, falling: bool) -> Bridge:
+    """The neck as a bridge along the diagonal of the solid, as long as it is wide."""
+    across, drop = leg / 2, leg / 2 if falling else -leg / 2
+    ends = lattice.to_mm(x - across, y - drop), lattice.to_mm(x + across, y + drop)
+    return Bridge(*ends, math.sqrt(2) * leg * lattice.cell_mm, "connectivity", 0.0)
 
 
 def _without(solid: Cells, cells: Cells) -> Cells:
     return solid & ~cells
 
 
-def _void_part(solid: Cells, rect: Rect, along_x: bool) -> Rect | None:
+def _void_part(solid: Cells, bar: Bar) -> Rect | None:
     """The stretch of a bar that lies over void, or None when the bar adds nothing."""
+    rect, along_x = bar.rect, bar.along_x
     covered = ~solid[rect.y0 : rect.y1, rect.x0 : rect.x1]
     used = np.flatnonzero(covered.any(axis=0 if along_x else 1))
     if not len(used):

@@ -22,7 +22,7 @@ class Ring:
 
 
 @dataclass(frozen=True, slots=True)
-class Bar:
+class RingBar:
     """A bar's centre line in modules of the symbol (x right, y down from its top left), tips included."""
 
     start: tuple[float, float]
@@ -38,26 +38,26 @@ def rings(version: int) -> list[Ring]:
     return finders + [Ring(r - 2, c - 2, 5) for r in centres for c in centres if (r, c) not in taken]
 
 
-def bars(version: int, strategy: FinderStrategy) -> list[Bar]:
-    """Bars across the dark ring of every finder and alignment pattern, or across the light one if `inverted`."""
+def bars(version: int, strategy: FinderStrategy) -> list[RingBar]:
+    """Bars across the dark ring of every finder and alignment pattern."""
     return [bar for ring in rings(version) for bar in _BARS[strategy](ring)]
 
 
-def _side_bar(ring: Ring) -> list[Bar]:
+def _side_bar(ring: Ring) -> list[RingBar]:
     """One bar across the top side, near the left corner."""
     x, y = ring.column + BAR_OFFSET, float(ring.row)
-    return [Bar((x, y), (x, y + 1))]
+    return [RingBar((x, y), (x, y + 1))]
 
 
-def _diagonal_bars(ring: Ring) -> list[Bar]:
+def _diagonal_bars(ring: Ring) -> list[RingBar]:
     """The paper's: a 45° bar through each corner of the dark ring."""
     low_x, low_y = float(ring.column), float(ring.row)
     high_x, high_y = low_x + ring.size, low_y + ring.size
     return [
-        Bar((low_x, low_y), (low_x + 1, low_y + 1)),
-        Bar((high_x, low_y), (high_x - 1, low_y + 1)),
-        Bar((low_x, high_y), (low_x + 1, high_y - 1)),
-        Bar((high_x, high_y), (high_x - 1, high_y - 1)),
+        RingBar((low_x, low_y), (low_x + 1, low_y + 1)),
+        RingBar((high_x, low_y), (high_x - 1, low_y + 1)),
+        RingBar((low_x, high_y), (low_x + 1, high_y - 1)),
+        RingBar((high_x, high_y), (high_x - 1, high_y - 1)),
     ]
 
 

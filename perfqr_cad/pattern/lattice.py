@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,7 +126,11 @@ def dilate(corners: Cells, side: int) -> Cells:
 
     kernel = np.ones((side, side), np.uint8)
     grown = cv2.dilate(
-        corners.astype(np.uint8), kernel, anchor=(side - 1, side - 1), borderType=cv2.BORDER_CONSTANT, borderValue=0
+        corners.astype(np.uint8),
+        kernel,
+        anchor=(side - 1, side - 1),
+        borderType=cv2.BORDER_CONSTANT,
+        borderValue=0,
     )
     return np.asarray(grown, np.bool_)
 
@@ -149,7 +154,7 @@ def trace(solid: Cells) -> list[Indices]:
     across = _paired(np.arange(len(x)))
     upright_order = np.lexsort((y, x))
     down = _paired(upright_order)
-    # Every horizontal edge is walked so that its solid side is on the left: leftwards above the solid is void.
+    # Every edge is walked so that its solid side is on the left: leftwards where the solid is below.
     solid_below = padded[y + 1, np.minimum(x, x[across]) + 1] == 1
     forwards = np.where(solid_below, x > x[across], x < x[across])
     return _walk(x, y, across, down, forwards)
@@ -162,9 +167,7 @@ def _paired(order: Indices) -> Indices:
     return partner
 
 
-def _walk(
-    x: Indices, y: Indices, across: Indices, down: Indices, forwards: Cells
-) -> list[Indices]:
+def _walk(x: Indices, y: Indices, across: Indices, down: Indices, forwards: Cells) -> list[Indices]:
     loops: list[Indices] = []
     seen = [False] * len(x)
     over, under = across.tolist(), down.tolist()
@@ -179,3 +182,35 @@ def _walk(
             at = under[over[at]]
         loops.append(np.stack([x[chain], y[chain]], axis=1))
     return loops
+
+
+def sharpened(loop: Indices) -> NDArray[np.float64]:
+    """(k, 2) corners of a traced loop whose stairs of single cells are read as 45° edges.
+
+    Every edge becomes a line, a stair one line through the solid's outward corners; corners are where
+    consecutive lines meet. Nothing but 45° edges is drawn in single cells, so nothing else changes.
+    """
+    edge = np.roll(loop, -1, axis=0) - loop
+    single = np.abs(edge).sum(axis=1) == 1
+    turn = _cross(np.roll(edge, 1, axis=0), edge)
+    outward = single & np.roll(single, 1) & (turn < 0)  # y runs down
+    outward &= ~(np.roll(outward, 1) | np.roll(outward, -1))  # a bump of one cell is no stair
+    if not outward.any():
+        return loop.astype(np.float64)
+    first, second = np.roll(outward, -1), outward  # the edges before and after an outward corner
+    point = np.where(first[:, None], np.roll(loop, -1, axis=0), loop)[~second]
+    along = np.where(first[:, None], edge + np.roll(edge, -1, axis=0), np.sign(edge))[~second]
+    same = (_cross(np.roll(along, 1, axis=0), along) == 0) & (
+        _cross(along, np.roll(point, 1, axis=0) - point) == 0
+    )
+    point, along = point[~same], along[~same]
+    before, towards = np.roll(point, 1, axis=0), np.roll(along, 1, axis=0)
+    turning = _cross(towards, along)
+    if len(point) < 3 or not turning.all():
+        return loop.astype(np.float64)
+    reach = _cross(point - before, along) / turning
+    return before + reach[:, None] * towards
+
+
+def _cross(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

@@ -203,14 +203,13 @@ class Loop:
     @staticmethod
     def from_points(points: Sequence[Point] | Points) -> Loop:
         """The closed polygon through (k, 2) points, in mm."""
-        corners = [(float(x), float(y)) for x, y in points]
+        corners = [(x, y) for x, y in np.asarray(points, np.float64).tolist()]
         return Loop(tuple(Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)))
 
     @cached_property
     def area(self) -> float:
         """Exact signed area, mm²; positive when counter-clockwise."""
-        origin = self.segments[0].start
-        return sum(_moved(s, -origin[0], -origin[1]).moment() for s in self.segments)
+        return sum(s.moment() for s in self.segments)
 
     @property
     def length(self) -> float:
@@ -260,8 +259,11 @@ class Region:
     def from_polygon(polygon: Polygon) -> Region:
         """The straight-edged region of a shapely polygon."""
         return Region(
-            Loop.from_points(polygon.exterior.coords[:-1]).oriented(ccw=True),
-            tuple(Loop.from_points(ring.coords[:-1]).oriented(ccw=False) for ring in polygon.interiors),
+            Loop.from_points(np.asarray(polygon.exterior.coords)[:-1, :2]).oriented(ccw=True),
+            tuple(
+                Loop.from_points(np.asarray(ring.coords)[:-1, :2]).oriented(ccw=False)
+                for ring in polygon.interiors
+            ),
         )
 
 
@@ -270,18 +272,3 @@ def _chords(radius: float, angle_rad: float, tol_mm: float) -> int:
     if radius <= tol_mm:
         return max(1, math.ceil(angle_rad / (math.pi / 2)))
     return max(1, math.ceil(angle_rad / (2 * math.acos(1 - tol_mm / radius))))
-
-
-def _moved(segment: Segment, dx: float, dy: float) -> Segment:
-    def by(p: Point) -> Point:
-        return p[0] + dx, p[1] + dy
-
-    match segment:
-        case Line(start, end):
-            return Line(by(start), by(end))
-        case Arc(start, end, centre, ccw):
-            return Arc(by(start), by(end), by(centre), ccw)
-        case Circle(centre, radius, ccw):
-            return Circle(by(centre), radius, ccw)
-        case Bezier(start, c1, c2, end):
-            return Bezier(by(start), by(c1), by(c2), by(end))

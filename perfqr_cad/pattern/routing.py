@@ -1,8 +1,8 @@
-"""Routes between islands: a square brush of the least web is dragged over the void, and what it covers is paid.
+"""Routes between islands: a square brush of the least web is dragged over the void and pays for it.
 
-The brush sits on a coarse grid of positions. Positions where it lies wholly inside one island are that island; every
-other position is a junction. Moving the brush by one step paints a strip, whose price is the sum of the
-price of its void cells. So any route has the least web along its whole length, by construction.
+The brush sits on a coarse grid of positions. Positions where it lies wholly inside one island are that
+island; every other position is a junction. Moving the brush by one step paints a strip, whose price is the
+sum of the price of its void cells. So any route has the least web along its whole length, by construction.
 """
 
 from __future__ import annotations
@@ -84,8 +84,8 @@ def brush_grid(solid: Cells, labels: Labels, price: Field, brush: int, step: int
 def routes(grid: BrushGrid, least: float) -> list[Route]:
     """The cheapest route for each pair of islands whose domains of influence touch (Mehlhorn's graph).
 
-    A minimum spanning tree of these is a minimum spanning tree of all shortest routes. `least` is added to the
-    price of each step, so that of two free ways the shorter is taken.
+    A minimum spanning tree of these is a minimum spanning tree of all shortest routes. `least` is added to
+    the price of each step, so that of two free ways the shorter is taken.
     """
     from scipy.sparse.csgraph import dijkstra
 
@@ -122,7 +122,7 @@ class _Steps:
     price: Field
     alias: Indices
     islands: Indices
-    width: int
+    grid: BrushGrid
 
     @staticmethod
     def of(grid: BrushGrid, least: float) -> _Steps:
@@ -135,7 +135,7 @@ class _Steps:
         alias = np.where(held > 0, at.size + np.searchsorted(names, held), at.ravel())
         apart = alias[start] != alias[end]
         islands = at.size + np.arange(len(names))
-        return _Steps(start[apart], end[apart], price[apart], alias, islands, grid.shape[1])
+        return _Steps(start[apart], end[apart], price[apart], alias, islands, grid)
 
     def graph(self) -> Any:
         """Sparse matrix of the cheapest move between any two nodes."""
@@ -158,9 +158,12 @@ class _Steps:
 
     def _entry(self, position: int, island: int) -> int:
         """The neighbouring position through which an island reached this one most cheaply."""
-        touching = np.flatnonzero(
-            ((self.start == position) & (self.alias[self.end] == island))
-            | ((self.end == position) & (self.alias[self.start] == island))
-        )
-        best = touching[np.argmin(self.price[touching])]
-        return int(self.start[best] + self.end[best] - position)
+        row, column = divmod(position, self.grid.shape[1])
+        across, down = self.grid.across, self.grid.down
+        moves = [
+            (position - 1, across[row, column - 1] if column else None),
+            (position + 1, across[row, column] if column < across.shape[1] else None),
+            (position - self.grid.shape[1], down[row - 1, column] if row else None),
+            (position + self.grid.shape[1], down[row, column] if row < down.shape[0] else None),
+        ]
+        return min((price, to) for to, price in moves if price is not None and self.alias[to] == island)[1]

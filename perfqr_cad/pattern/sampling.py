@@ -48,7 +48,7 @@ def sample_weights(per_module: int) -> Field:
 
 @lru_cache(maxsize=32)
 def blur_weights(modules: int, per_module: int) -> Field:
-    """(modules, cells) weights with which each cell along an axis of the symbol reaches each module's centre."""
+    """(modules, cells) weights with which each cell along an axis reaches each module's centre."""
     edges = np.arange(modules * per_module + 1) / per_module
     centres = np.arange(modules) + 0.5
     offsets = np.clip(edges[None, :] - centres[:, None], -REACH, REACH) / (BLUR_SIGMA * math.sqrt(2))
@@ -90,14 +90,13 @@ def right_contrast(lattice: Lattice, symbol: Symbol, solid_is_dark: bool) -> Fie
 
 
 def margin_left(lattice: Lattice, symbol: Symbol, solid_is_dark: bool = False) -> float:
-    """Least over the blocks of (capacity − expected erroneous codewords) / capacity; negative is unreadable."""
+    """Least over the blocks of (capacity − expected erroneous codewords) / capacity; below 0: unreadable."""
     plan = layout(symbol.version, symbol.level)
     right = 1 - misread_chance(right_contrast(lattice, symbol, solid_is_dark))
     modules = plan.modules
     wrong = 1 - right[modules[..., 0], modules[..., 1]].prod(axis=1)
     expected = np.bincount(plan.block_of_codeword, weights=wrong, minlength=plan.blocks.count)
-    capacity = np.full(plan.blocks.count, plan.blocks.ec // 2)
-    return float(((capacity - expected) / capacity).min())
+    return float(1 - expected.max() / plan.blocks.capacity)
 
 
 def _erf(x: Field) -> Field:

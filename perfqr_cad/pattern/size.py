@@ -12,12 +12,14 @@ from perfqr_cad.symbol import Symbol
 if TYPE_CHECKING:
     from perfqr_cad.capture import Art
 
-WEBS_PER_MODULE = 1.5  # a route along a module edge takes half a web of each side: at most a third of the module
+WEBS_PER_MODULE = (
+    1.5  # a route along a module edge takes half a web of each side: at most a third of the module
+)
 SIZE_STEP_MM = 0.1  # a size that is picked is rounded up to a tenth of a millimetre
 
 
 def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[float, str]:
-    """Module edge in mm, and why. DesignError with the least size that works when the one asked is smaller."""
+    """Module edge in mm, and why. DesignError with the least size that works when less is asked for."""
     modules = symbol.size + 2 * spec.quiet_modules
     least_module, reason = _least_module(spec)
     least_size = _rounded_up(least_module * modules)
@@ -30,7 +32,10 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
         return spec.size_mm / modules, "as asked"
     scale = 1 if art is None or art.kind != "halftone" else art.scale
     if scale * spec.web_mm > least_module:
-        least_module, reason = scale * spec.web_mm, f"{scale} dots of the art across, each a web of {spec.web_mm:g} mm"
+        least_module, reason = (
+            scale * spec.web_mm,
+            f"{scale} dots of the art across, each a web of {spec.web_mm:g} mm",
+        )
     return _rounded_up(least_module * modules) / modules, f"module {least_module:.3g} mm: {reason}"
 
 

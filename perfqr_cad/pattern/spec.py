@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from ..errors import DesignError
+from perfqr_cad.errors import DesignError
 
 Style = Literal["square", "rounded", "dots", "diamond", "bars"]
 FinderStrategy = Literal["panel", "diagonal", "recessed"]

@@ -1,0 +1,109 @@
+"""From a draft to the finished pattern: its outline, the proof of its webs, and what a reader makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from perfqr_cad.errors import DesignError
+from perfqr_cad.pattern.bridge import Bridge
+from perfqr_cad.pattern.draft import Draft, strip
+from perfqr_cad.pattern.lattice import Cells, Lattice, sharpened, trace
+from perfqr_cad.pattern.outline import Loop, Points, Region
+from perfqr_cad.pattern.pattern import Optimality, Pattern
+from perfqr_cad.pattern.sampling import brightness
+from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.symbol import Matrix, Symbol, readability
+
+if TYPE_CHECKING:
+    from shapely.geometry import Polygon
+
+WEB_TOL = 0.01  # of the least web: rounding of coordinates and of the arcs of the eroding disc
+
+
+@dataclass(frozen=True)
+class Job:
+    """What stays the same while bridges are added."""
+
+    symbol: Symbol
+    spec: PatternSpec
+    islands_before: int
+    size_reason: str
+    optimality: Optimality | None = None
+
+
+def finish(draft: Draft, job: Job | Pattern) -> Pattern:
+    """The pattern of a draft. DesignError when it is not one piece with the least web throughout."""
+    lattice, spec = draft.lattice, job.spec
+    region = outline(lattice, draft.upright, draft.slanted)
+    check_web(region.polygon(), spec.web_mm)
+    observed = Matrix((brightness(lattice) >= 0.5) == (spec.tone == "inverted"))
+    changed = int(np.count_nonzero(lattice.solid ^ draft.asked)) * lattice.cell_mm**2
+    return Pattern(
+        symbol=job.symbol,
+        spec=spec,
+        module_mm=lattice.module_mm,
+        quiet_modules=lattice.quiet,
+        region=region,
+        bridges=draft.bridges,
+        islands_before=job.islands_before,
+        observed=observed,
+        readability=readability(observed, job.symbol),
+        changed_area_mm2=changed,
+        edits=draft.edits,
+        optimality=job.optimality,
+        size_reason=job.size_reason,
+        draft=draft,
+    )
+
+
+def check_web(polygon: Polygon, web_mm: float) -> None:
+    """DesignError unless the polygon stays one piece after erosion by half the least web."""
+    eroded = polygon.buffer(-web_mm / 2 * (1 - WEB_TOL), quad_segs=4)
+    if eroded.geom_type != "Polygon" or eroded.is_empty:
+        pieces = len(getattr(eroded, "geoms", ()))
+        raise DesignError(
+            f"webs under {web_mm:g} mm hold the pattern: without them {pieces} pieces are left, 1 is needed;"
+            " use a larger --size or a finer nozzle"
+        )
+
+
+def outline(lattice: Lattice, upright: Cells, slanted: Sequence[Bridge]) -> Region:
+    """The boundary of the solid cells in mm, with the slanted bridges added exactly."""
+    half = lattice.cells / 2
+    turns = [(sharpened(loop) - half) * (lattice.cell_mm, -lattice.cell_mm) for loop in trace(upright)]
+    outers = [points for points in turns if _signed_area(points) > 0]
+    holes = [points for points in turns if _signed_area(points) < 0]
+    if slanted:
+        return _with_strips(outers, holes, slanted)
+    if len(outers) != 1:
+        raise _in_pieces(len(outers))
+    return Region(Loop.from_points(outers[0]), tuple(Loop.from_points(hole) for hole in holes))
+
+
+def _with_strips(outers: Sequence[Points], holes: Sequence[Points], slanted: Sequence[Bridge]) -> Region:
+    import shapely
+    from shapely.geometry import Polygon
+
+    ground = shapely.difference(
+        shapely.union_all([Polygon(points) for points in outers]),
+        shapely.union_all([Polygon(points) for points in holes]),
+    )
+    shape = shapely.union_all([ground, *(Polygon(strip(bridge)) for bridge in slanted)])
+    if not isinstance(shape, Polygon):
+        raise _in_pieces(shapely.get_num_geometries(shape))
+    return Region.from_polygon(shape)
+
+
+def _in_pieces(count: int) -> DesignError:
+    return DesignError(
+        f"{count} pieces are left after bridging, 1 is needed: use a larger --size or a finer nozzle"
+    )
+
+
+def _signed_area(points: Points) -> float:
+    x, y = points[:, 0], points[:, 1]
+    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum() / 2)
