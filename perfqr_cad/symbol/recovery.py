@@ -18,16 +18,18 @@ from perfqr_cad.symbol.drawing import Symbol, extract
 from perfqr_cad.symbol.format import FormatInfo, format_candidates
 from perfqr_cad.symbol.galois import PRIMITIVE, ByteArray, valid
 from perfqr_cad.symbol.layout import Layout, layout
+from perfqr_cad.symbol.masks import mask_pattern
 from perfqr_cad.symbol.matrix import Matrix
 from perfqr_cad.symbol.payload import Payload, payload_of
 from perfqr_cad.symbol.tables import Blocks
 
 FloatArray = NDArray[np.floating]
 
-# Chance that random codewords pass as correctable. Without erasures the least protected symbol of Table 9,
-# 2-L with r = 4, comes to 5e-10; erasures may not make it worse than this.
+# Chance that noise passes as a block. Without erasures the least protected symbol of Table 9, 2-L with
+# r = 4, comes to 5e-10; erasures may not make it worse than this.
 MISDECODE_LIMIT: Final = 1e-9
 
+_SHADE_SCALES: Final = tuple(2.0**k for k in range(-6, 7))  # λ of `misread_chance`
 _BLOCKS_NAMED: Final = 8  # in a message
 
 
@@ -84,11 +86,10 @@ def _recover_as(info: FormatInfo, observed: Matrix, log_likelihood: FloatArray |
     if failed and log_likelihood is None:
         raise SymbolError(_beyond(failed, at.blocks, info))
     if failed and log_likelihood is not None:
-        doubt = _doubt(at, log_likelihood)
+        shades = _shades(at, info.mask, log_likelihood)
         for block in failed:
             members = at.codewords_of_block(block)
-            order: list[int] = np.argsort(-doubt[members], kind="stable").tolist()
-            found = _correct_erased(placed[members], at.blocks, order)
+            found = _correct_erased(placed[members], shades[members], at.blocks.ec)
             if found is None:
                 raise SymbolError(_beyond(failed, at.blocks, info))
             corrected[members], erasures[block] = found
@@ -109,38 +110,49 @@ def _correct_errors(placed: ByteArray, at: Layout) -> list[int]:
     failed: list[int] = []
     for group, first in zip(at.groups, (0, len(at.groups[0])), strict=False):
         for row in np.flatnonzero(~valid(placed[group], at.blocks.ec)).tolist():
-            found = _decode(placed[group[row]], at.blocks, [])
-            if found is None:
+            word = placed[group[row]]
+            found = _nearest(word, at.blocks.ec, [])
+            if found is None or np.count_nonzero(found != word) > at.blocks.capacity:
                 failed.append(first + row)
             else:
                 placed[group[row]] = found
     return failed
 
 
-def _correct_erased(word: ByteArray, structure: Blocks, order: list[int]) -> tuple[ByteArray, int] | None:
+def _shades(at: Layout, mask: int, log_likelihood: FloatArray) -> FloatArray:
+    """(C, 8) log-likelihoods of a 1 in each bit of the codewords, the mask taken off."""
+    places = at.modules[..., 0], at.modules[..., 1]
+    return log_likelihood[places] * np.where(mask_pattern(at.version, mask)[places], -1.0, 1.0)
+
+
+def _correct_erased(word: ByteArray, shades: FloatArray, ec: int) -> tuple[ByteArray, int] | None:
     """A block corrected after erasing its 2, 4, … most doubtful codewords, and their number; or None.
 
     Forney's generalised minimum distance decoding: the smallest set that gives a trustworthy word wins.
+    A codeword is as doubtful as it has wrong bits to be expected: Σ P(misread) = Σ 1/(1 + e^|ℓ|).
     """
-    for erased in range(2, structure.ec, 2):
-        found = _decode(word, structure, order[:erased])
-        if found is not None:
+    doubt = np.sum(np.exp(-np.logaddexp(0.0, np.abs(shades))), axis=1)
+    order: list[int] = np.argsort(-doubt, kind="stable").tolist()
+    for erased in range(2, ec, 2):
+        found = _nearest(word, ec, order[:erased])
+        if found is None:
+            continue
+        errors = int(np.count_nonzero(np.delete(found != word, order[:erased])))
+        chances = misdecode_chance(len(word), ec, erased, errors), misread_chance(found, shades, ec)
+        if min(chances) <= MISDECODE_LIMIT:
             return found, erased
     return None
 
 
-def _decode(word: ByteArray, structure: Blocks, erased: list[int]) -> ByteArray | None:
-    """The valid word nearest to this one, or None when there is none that can be trusted."""
+def _nearest(word: ByteArray, ec: int, erased: list[int]) -> ByteArray | None:
+    """The valid word nearest to this one with some of its codewords erased; None when there is none."""
     reedsolo = _reedsolo()
     try:
-        data, check, _ = reedsolo.rs_correct_msg(bytearray(word.tobytes()), structure.ec, erase_pos=erased)
+        data, check, _ = reedsolo.rs_correct_msg(bytearray(word.tobytes()), ec, erase_pos=erased)
     except reedsolo.ReedSolomonError:
         return None
     found = np.frombuffer(bytes(data + check), np.uint8)
-    errors = int(np.count_nonzero(np.delete(found != word, erased)))
-    chance = misdecode_chance(len(word), structure.ec, len(erased), errors)
-    trusted = errors <= structure.capacity and chance <= MISDECODE_LIMIT
-    return found if trusted and bool(valid(found[None], structure.ec)[0]) else None
+    return found if bool(valid(found[None], ec)[0]) else None
 
 
 @cache
@@ -150,12 +162,6 @@ def _reedsolo() -> Any:
 
     reedsolo.init_tables(prim=PRIMITIVE)
     return reedsolo
-
-
-def _doubt(at: Layout, log_likelihood: FloatArray) -> FloatArray:
-    """(C,) expected wrong bits of each codeword: Σ P(module misread) = Σ 1/(1 + e^|ℓ|)."""
-    certainty = np.abs(log_likelihood[at.modules[..., 0], at.modules[..., 1]])
-    return np.sum(np.exp(-np.logaddexp(0.0, certainty)), axis=1)
 
 
 def _beyond(failed: list[int], structure: Blocks, info: FormatInfo) -> str:
@@ -175,3 +181,17 @@ def misdecode_chance(length: int, ec: int, erased: int, errors: int) -> float:
     in 256^(ec − erased) is valid.
     """
     return comb(length - erased, errors) * 255.0**errors / 256.0 ** (ec - erased)
+
+
+def misread_chance(found: ByteArray, shades: FloatArray, ec: int) -> float:
+    """Bound on the chance that random shades (n, 8) have any valid word as likely as the one found.
+
+    The cost of a word is the Σ|ℓ| of the bits in which it contradicts the shades. Σ e^λ(cost(found) − cost),
+    over all words, counts at least those that are as likely; it factors into bits. One word in 256^ec is
+    valid. This holds for every λ > 0: the best of a few makes the scale of the shades irrelevant.
+    """
+    bits = np.unpackbits(found[:, None], axis=1).astype(np.bool_)
+    certainty = np.abs(shades)
+    cost = float(np.sum(certainty[bits != (shades > 0)]))
+    logs = [scale * cost + float(np.sum(np.logaddexp(0.0, -scale * certainty))) for scale in _SHADE_SCALES]
+    return float(np.exp(min(0.0, min(logs) - ec * np.log(256.0))))

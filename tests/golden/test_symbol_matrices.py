@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import segno
 
-from perfqr_cad.symbol import LEVELS, draw, encode, extract
+from perfqr_cad.symbol import LEVELS, Matrix, draw, encode, extract, free_codewords, recover, with_pads
 
 SCRIPT = runpy.run_path(str(Path(__file__).with_name("symbol_matrices.py")))
 DIGESTS = json.loads(SCRIPT["GOLDEN"].read_text())
@@ -41,3 +42,15 @@ def test_a_single_module_changes_the_digest() -> None:
     other[10, 10] ^= True
     assert digest(dark) != digest(other)
     assert np.count_nonzero(dark ^ other) == 1
+
+
+def test_segno_differs_only_by_its_wrong_pad_codeword() -> None:
+    """Data that ends on a codeword boundary: segno 1.6.6 puts 0x00 before the first pad (issues 123, 148)."""
+    code = segno.make("boundary", version=3, error="L", mask=1, boost_error=False)
+    theirs = recover(Matrix(np.array([list(row) for row in code.matrix]) == 1)).symbol
+    ours = encode("boundary", version=3, level="L", mask=1)
+    free = free_codewords(ours)
+    assert ours.data[:-free] == theirs.data[:-free]
+    assert ours.data[-free:] == (b"\xec\x11" * free)[:free]
+    assert theirs.data[-free:] == (b"\x00" + b"\xec\x11" * free)[:free]
+    assert with_pads(ours, theirs.data[-free:]) == theirs
