@@ -1,0 +1,73 @@
+"""First guesses of where a code lies, from decoders that know how to look for one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import cv2
+import numpy as np
+import zxingcpp
+from numpy.typing import NDArray
+
+from perfqr_cad.capture.grid import Floats
+from perfqr_cad.symbol import size_of
+
+
+@dataclass(frozen=True, eq=False)
+class Seed:
+    """A guess.
+
+    corners  (4, 2) px outer corners, clockwise from the top-left finder's (unless `turned` is unknown)
+    sizes    modules a side that come in question, likeliest first; empty when nothing is known
+    payload  what the decoder itself read, or None
+    oriented whether the first corner is known to be the top-left finder's
+    """
+
+    engine: str
+    corners: Floats
+    sizes: tuple[int, ...]
+    payload: bytes | None
+    oriented: bool
+
+
+def zxing_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
+    """What zxing-cpp finds in a grey picture, codes that it could not decode included."""
+    found = zxingcpp.read_barcodes(image, formats=zxingcpp.BarcodeFormat.QRCode, return_errors=True)
+    for code in sorted(found, key=lambda one: not one.valid):
+        place = code.position
+        points = (place.top_left, place.top_right, place.bottom_right, place.bottom_left)
+        corners = np.array([(point.x, point.y) for point in points], np.float64)
+        extra: dict[str, Any] = code.extra or {}
+        sizes = (size_of(int(extra["Version"])),) if extra.get("Version") else ()
+        yield Seed("zxing-cpp", corners, sizes, bytes(code.bytes) if code.valid else None, True)
+
+
+def wechat_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
+    """What the WeChat decoder finds. Its Python face fails on payloads that are not UTF-8."""
+    try:
+        texts, places = _wechat().detectAndDecode(image)
+    except UnicodeDecodeError:
+        return
+    for text, corners in zip(texts, places, strict=False):
+        yield Seed("wechat", np.asarray(corners, np.float64).reshape(4, 2), (), text.encode(), False)
+
+
+def opencv_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
+    """What OpenCV's own detector finds; its straightened code tells the size."""
+    try:
+        text, corners, straight = cv2.QRCodeDetector().detectAndDecode(image)
+    except (UnicodeDecodeError, cv2.error):  # on payloads that are not UTF-8, and on degenerate outlines
+        return
+    if corners is None:
+        return
+    size = 0 if straight is None else int(straight.shape[0])
+    sizes = (size,) if size >= 21 and size % 4 == 1 else ()
+    yield Seed("opencv", np.asarray(corners, np.float64).reshape(4, 2), sizes, text.encode() or None, False)
+
+
+@cache
+def _wechat() -> Any:
+    return cv2.wechat_qrcode_WeChatQRCode()
