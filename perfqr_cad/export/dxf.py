@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import groupby
 from pathlib import Path
@@ -16,7 +16,7 @@ from .design_view import DesignView
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
-    from ezdxf.layouts import Modelspace
+    from ezdxf.layouts.layout import Modelspace
 
 OUTLINE, HOLES, BRIDGES = "OUTLINE", "HOLES", "BRIDGES"
 # AutoCAD colour indices: white/black, red, green. The bridges are for the eye: their layer does not plot.
@@ -39,9 +39,9 @@ def write(design: DesignView, path: Path) -> None:
 
 
 def _document() -> Drawing:
-    import ezdxf
+    from ezdxf.filemanagement import new
 
-    document = ezdxf.new("R2000", units=MILLIMETRES)
+    document = new("R2000", units=MILLIMETRES)
     document.header["$MEASUREMENT"] = METRIC
     for name, colour in LAYERS.items():
         document.layers.add(name, color=colour)
@@ -50,16 +50,16 @@ def _document() -> Drawing:
 
 
 @contextmanager
-def _without_clock() -> Iterator[None]:
+def _without_clock() -> Generator[None]:
     """Make and save documents without the times and random identifiers that ezdxf puts into the header."""
-    import ezdxf
+    from ezdxf import options  # pyright: ignore[reportPrivateImportUsage]
 
-    before = ezdxf.options.write_fixed_meta_data_for_testing
-    ezdxf.options.write_fixed_meta_data_for_testing = True
+    before = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True
     try:
         yield
     finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = before
+        options.write_fixed_meta_data_for_testing = before
 
 
 def _add_loop(space: Modelspace, loop: Loop, attributes: dict[str, Any]) -> None:

@@ -24,6 +24,7 @@ SPREAD = 0.20  # tangent of half the picture's width: a long lens, little perspe
 KEY_LYING, KEY_UPRIGHT = (-0.46, 0.42, 0.78), (-0.45, 0.5, 0.74)  # towards the light
 LIFT = 2e-4  # of the part's size: start of a secondary ray above its surface
 FILL = 0.84  # share of the frame that the part takes
+FIT_STEPS = 12  # of the camera: each divides the error by about ten
 GROUND_EXTENT = 60.0  # of the part's size: beyond the picture's edge
 
 
@@ -54,36 +55,36 @@ def picture(design: DesignView, width: int, height: int) -> NDArray[np.uint8]:
     counts = [*map(len, corners), len(ground)]
     colours = np.repeat([*(body.colour for body in bodies), GROUND], counts, axis=0)
     scene = Scene(np.concatenate([*corners, ground]), linear(colours))
-    camera = _camera(points, up, lies, width / height)
+    camera = _camera(points, lies, width / height)
     look = Look(up=tuple(up), key_direction=KEY_LYING if lies else KEY_UPRIGHT)
     shade = picture(scene, camera, look, width, height, lift=LIFT * _size(points))
     return exposed(_vignette(shade))
 
 
-def _camera(points: NDArray[Any], up: NDArray[Any], lies: bool, aspect: float) -> Camera:
+def _camera(points: NDArray[Any], lies: bool, aspect: float) -> Camera:
+    """The view from the side that shows the holes, centred on the part and just far enough."""
     from .raycast import Camera
 
     if lies:
         tilt, turn = np.radians([TILT_DEG, TURN_DEG])
-        away = np.array([np.sin(tilt) * np.sin(-turn), -np.sin(tilt) * np.cos(turn), np.cos(tilt)])
-        top = np.array([0.0, 1.0, 0.0])
+        away = np.array([-np.sin(tilt) * np.sin(turn), -np.sin(tilt) * np.cos(turn), np.cos(tilt)])
     else:
         tilt, turn = np.radians([UPRIGHT_TILT_DEG, UPRIGHT_TURN_DEG])
         away = np.array([np.sin(turn) * np.cos(tilt), np.sin(tilt), np.cos(turn) * np.cos(tilt)])
-        top = up
-    target = (points.min(axis=0) + points.max(axis=0)) / 2
-    distance = 3.0 * _size(points)
-    for _ in range(12):  # fixed point: centre what is seen, then step back until it fits
-        eye, at, top = (v.astype(np.float32) for v in (target + away * distance, target, top))
-        camera = Camera(eye, at, top, SPREAD)
-        right, above, forward = camera.axes().astype(np.float64)
-        seen = points - camera.eye
-        depth = seen @ forward
-        x, y = seen @ right / depth / SPREAD, seen @ above / depth / SPREAD * aspect
+    target, distance = (points.min(axis=0) + points.max(axis=0)) / 2, 3.0 * _size(points)
+
+    def camera() -> Camera:
+        return Camera(target + away * distance, target, np.array([0.0, 1.0, 0.0]), SPREAD)
+
+    for _ in range(FIT_STEPS):  # fixed point: centre what is seen, then step back until it fits
+        right, above, forward = camera().axes()
+        seen = points - camera().eye
+        depth = (seen @ forward) * SPREAD
+        x, y = seen @ right / depth, seen @ above / depth * aspect
         off_x, off_y = (x.max() + x.min()) / 2, (y.max() + y.min()) / 2 / aspect
         target = target + (right * off_x + above * off_y) * SPREAD * distance
         distance *= max(np.ptp(x), np.ptp(y)) / 2 / FILL
-    return camera
+    return camera()
 
 
 def _ground(points: NDArray[Any], up: NDArray[Any]) -> NDArray[Any]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float32]
+Floats = NDArray[np.floating[Any]]
 Ints = NDArray[np.int32]
 
 TILE = 4  # pixels, edge of the tile over which directions are spread
@@ -26,9 +26,9 @@ class Look:
 
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     key_direction: tuple[float, float, float] = (-0.42, 0.48, 0.77)
-    key_strength: float = 0.62
+    key_strength: float = 0.74
     key_spread: float = 0.09  # tangent of the light's angular radius: softness of the shadows
-    sky_strength: float = 0.42
+    sky_strength: float = 0.48
     bounce: float = 0.10  # share of the sky's light that still reaches a fully hidden point
 
 
@@ -45,14 +45,14 @@ class Camera:
         """Rows right, up, forward: unit vectors (3, 3)."""
         forward = _unit(self.target - self.eye)
         right = _unit(np.cross(forward, self.up))
-        return np.stack([right, np.cross(right, forward), forward]).astype(np.float32)
+        return np.stack([right, np.cross(right, forward), forward])
 
     def directions(self, xy: Floats, width: int, height: int) -> Floats:
         """Unit directions (k, 3) through picture positions (k, 2) in pixels, y down."""
         scale = 2.0 * self.spread / width
         plane = np.stack([(xy[:, 0] - width / 2) * scale, (height / 2 - xy[:, 1]) * scale], axis=1)
         right, up, forward = self.axes()
-        return _unit(plane[:, :1] * right + plane[:, 1:] * up + forward)
+        return _unit(plane[:, :1] * right + plane[:, 1:] * up + forward).astype(np.float32)
 
 
 class Scene:
@@ -87,7 +87,7 @@ def picture(scene: Scene, camera: Camera, look: Look, width: int, height: int, l
     pixels = _grid(width, height)
     directions = camera.directions(pixels + 0.5, width, height)
     triangle, distance = scene.hit(camera.eye, directions)
-    points = camera.eye + directions * distance[:, None]
+    points = camera.eye.astype(np.float32) + directions * distance[:, None]
     normals = _facing(scene.normals[triangle], directions)
     plane = scene.planes[triangle].reshape(height, width)
     tile = _tile_index(width, height)
@@ -204,7 +204,7 @@ def _grid(width: int, height: int) -> Floats:
     return np.stack([x, y], axis=1).astype(np.float32)
 
 
-def _low_discrepancy(count: int) -> NDArray[np.float64]:
+def _low_discrepancy(count: int) -> Floats:
     """`count` points of the unit square (Roberts' R2 sequence)."""
     plastic = 1.32471795724474602596  # root of x³ = x + 1
     k = np.arange(1, count + 1)[:, None]
@@ -235,4 +235,4 @@ def _tangents(normals: Floats) -> tuple[Floats, Floats]:
 
 def _unit(vectors: NDArray[Any]) -> Floats:
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return (vectors / np.where(length > 0, length, 1.0)).astype(np.float32)
+    return vectors / np.where(length > 0, length, 1.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -15,7 +15,7 @@ _PREFIX = ".perfqr-"
 
 
 @contextmanager
-def staged(folder: Path, *, create: bool = False) -> Iterator[Path]:
+def staged(folder: Path, *, create: bool = False) -> Generator[Path]:
     """A scratch folder inside `folder`; on success its files are moved up, on any error nothing remains.
 
     Being on the same file system makes each move one atomic rename. With `create` a missing folder is

@@ -26,6 +26,11 @@ class Body:
     volume_mm3: float
     extras: tuple[Body, ...] = ()
 
+    @property
+    def bbox_mm(self) -> tuple[list[float], list[float]]:
+        points = self.triangles.vertices
+        return points.min(axis=0).tolist(), points.max(axis=0).tolist()
+
 
 @dataclass(frozen=True)
 class Drawn:

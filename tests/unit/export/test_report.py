@@ -1,0 +1,145 @@
+"""One self-contained page; sections without a measurement say so."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass, replace
+from html.parser import HTMLParser
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from perfqr_cad.export import report
+from perfqr_cad.pattern import Bridge
+from perfqr_cad.scan import DecoderResult, ScanReport, Sight
+from perfqr_cad.symbol import Matrix, encode
+
+from .conftest import Drawn
+
+VOID = {"meta", "img", "br"}
+
+
+@dataclass(frozen=True)
+class Coded(Drawn):
+    symbol: Any = None
+    observed: Any = None
+    module_mm: float = 1.0
+
+
+class Outline(HTMLParser):
+    """Checks that elements nest, and collects headings and addresses."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.headings, self.addresses = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.addresses += [value for name, value in attrs if name in ("src", "href")]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] == "h2":
+            self.headings.append(data)
+
+
+def outline(text):
+    parser = Outline()
+    parser.feed(text)
+    assert not parser.open
+    return parser
+
+
+@pytest.fixture(scope="module")
+def design(code):
+    symbol = encode("TEXT", version=1, level="M")
+    dark = symbol.matrix.dark.copy()
+    dark[12, 12] ^= True
+    bridge = Bridge((1.5, -2.0), (2.5, -2.0), 0.4, "structural", 1.0)
+    pattern = Coded(code.pattern.region, (bridge,), symbol, Matrix(dark))
+    facts = {
+        "payload": "TEXT & <more>",
+        "symbol": {"version": 1, "level": "M"},
+        "readability": {"loss": 0.01, "blocks": [{"errors": 1, "capacity": 4}]},
+        "structure": {"material": "PLA", "max_stress_mpa": None},
+        "timings_s": {"scan": 12.345},
+    }
+    return replace(code, pattern=pattern, facts=facts)
+
+
+@pytest.fixture(scope="module")
+def filmed(design):
+    grey = np.full((60, 80), 200, np.uint8)
+    results = {
+        "zbar": DecoderResult("zbar", (0.0, 30.0), (1.0, 0.5), (1.0, 1.0)),
+        "OpenCV": DecoderResult("OpenCV", (0.0, 30.0), (0.0, 0.0), (1.0, 1.0)),
+    }
+    missed = Sight(grey, 30.0, 90.0, (), ("zbar", "OpenCV"))
+    return replace(design, scan=ScanReport(results, {"black": 0.95}, None, missed, ("thin the bridge",)))
+
+
+@pytest.fixture(scope="module")
+def text(filmed, tmp_path_factory):
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    report.write(filmed, path)
+    return path.read_text("utf-8")
+
+
+def test_sections_nest_and_come_in_the_order_of_the_chain(text):
+    assert outline(text).headings == ["Readability", "One piece", "Strength", "Solid", "Scan"]
+
+
+def test_nothing_comes_from_a_network(text):
+    assert all(address.startswith("data:image/png;base64,") for address in outline(text).addresses)
+    style = text[text.index("<style>") : text.index("</style>")]
+    assert "url(" not in style
+    assert "@import" not in style
+    assert "<script" not in text
+
+
+def test_facts_are_there_and_escaped(text):
+    assert "TEXT &amp; &lt;more&gt;" in text
+    assert "1 of 4 codewords" in text
+    assert "not measured" in text
+    assert "1 for strength (green)" in text
+
+
+def test_scan_is_shown(text):
+    assert "every view to 0°" in text
+    assert "not even from above" in text
+    assert "The first view that is missed: 30° from azimuth 90°, read by none" in text
+    assert "thin the bridge" in text
+    assert "95.0%" in text
+
+
+def test_a_link_that_has_not_run_is_said_to_be_missing(design, tmp_path):
+    report.write(design, tmp_path / "report.html")
+    assert "Not filmed." in (tmp_path / "report.html").read_text("utf-8")
+
+
+def test_no_clock_in_the_page(text, filmed, tmp_path):
+    report.write(filmed, tmp_path / "again.html")
+    assert (tmp_path / "again.html").read_text("utf-8") == text
+    assert "12.345" not in text
+    assert not re.search(r"20\d\d-\d\d-\d\d", text)
+
+
+@pytest.mark.skipif(not shutil.which("chromium"), reason="chromium is not installed")
+def test_a_browser_lays_it_out(text, tmp_path):
+    """A screenshot: the picture to the left, the pattern with its green bar to the right."""
+    (tmp_path / "report.html").write_text(text, "utf-8")
+    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
+    command += ["--window-size=1100,800", "--screenshot=page.png", "report.html"]
+    subprocess.run(command, capture_output=True, timeout=120, check=True, cwd=tmp_path)
+    page = cv2.imread(str(tmp_path / "page.png"))[..., ::-1].astype(int)
+    assert page.shape == (800, 1100, 3)
+    green = (page[..., 1] - page[..., 0] > 60) & (page[..., 1] - page[..., 2] > 40)
+    assert green.any()
+    assert np.nonzero(green)[1].min() > 550
