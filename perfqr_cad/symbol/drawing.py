@@ -29,11 +29,8 @@ class Symbol:
     codewords: bytes
 
     def __post_init__(self) -> None:
-        expected = blocks(self.version, check_level(self.level)).codewords
-        if len(self.codewords) != expected:
-            raise SymbolError(
-                f"{len(self.codewords)} codewords given: version {self.version}-{self.level} has {expected}"
-            )
+        _check_count(self.codewords, self.version, check_level(self.level))
+        check_mask(self.mask)
 
     @cached_property
     def matrix(self) -> Matrix:
@@ -59,6 +56,7 @@ class Symbol:
 
 def draw(version: int, level: Level, mask: int, codewords: bytes) -> Matrix:
     """The modules of a symbol. `codewords` in placed order; wrong ones are drawn as they are."""
+    _check_count(codewords, version, level)
     at = layout(version, level)
     dark = at.function_dark.copy()
     bits = np.unpackbits(np.frombuffer(codewords, np.uint8)).astype(np.bool_)
@@ -68,6 +66,12 @@ def draw(version: int, level: Level, mask: int, codewords: bytes) -> Matrix:
     places = at.format_modules
     dark[places[..., 0], places[..., 1]] = (word >> np.arange(FORMAT_BITS)) & 1
     return Matrix(dark)
+
+
+def _check_count(codewords: bytes, version: int, level: Level) -> None:
+    expected = blocks(version, level).codewords
+    if len(codewords) != expected:
+        raise SymbolError(f"{len(codewords)} codewords given: version {version}-{level} has {expected}")
 
 
 def extract(matrix: Matrix, level: Level, mask: int) -> bytes:

@@ -92,10 +92,10 @@ class Layout:
     def size(self) -> int:
         return size_of(self.version)
 
-    @property
+    @cached_property
     def block_of(self) -> IntArray:
         """(n, n) block of each module, −1 for modules outside the codewords."""
-        return np.where(self.codeword_of >= 0, self.block_of_codeword[self.codeword_of], -1).astype(np.int32)
+        return read_only(np.where(self.codeword_of >= 0, self.block_of_codeword[self.codeword_of], -1))
 
     @cached_property
     def groups(self) -> tuple[IntArray, ...]:

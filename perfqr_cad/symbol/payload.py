@@ -104,12 +104,11 @@ def parse(data: bytes, version: int) -> Payload:
                 f"mode indicator {indicator} at bit {bits.at - _MODE_BITS} is not defined for QR codes:"
                 " the symbol was not made by a conforming encoder"
             )
-    used = bits.at if bits.left >= 0 else len(data) * 8
     raw = (application or "").encode() + b"".join(part.data for part in segments)
     text = _text(segments)
     if text is not None and application is not None:
         text = application + text
-    return Payload(text, raw, tuple(segments), fnc1, application, append, used)
+    return Payload(text, raw, tuple(segments), fnc1, application, append, bits.at)
 
 
 class _Bits:

@@ -21,6 +21,26 @@ def test_text_too_long_names_length_capacity_and_remedies() -> None:
         encode("x" * 5000, level="H")
 
 
+def test_level_that_fits_is_named() -> None:
+    with pytest.raises(SymbolError, match=r"needs 2003 codewords, version 40-H holds 1276: use level M$"):
+        encode("x" * 2000, level="H")
+
+
+def test_empty_text_and_half_a_surrogate_are_refused() -> None:
+    with pytest.raises(SymbolError, match="the text is empty"):
+        encode("")
+    with pytest.raises(SymbolError, match=r"character 3 of the text, U\+D83D"):
+        encode("ab\ud83d")
+
+
+def test_mode_that_cannot_hold_the_text_is_refused() -> None:
+    assert payload_of(encode("点茗", mode="kanji")).segments[0].mode == "kanji"
+    assert payload_of(encode("123", mode="byte")).segments[0].mode == "byte"
+    for mode, text in (("numeric", "12a"), ("alphanumeric", "abc"), ("kanji", "abc"), ("kanji", "é点")):
+        with pytest.raises(SymbolError, match=f"{mode} mode cannot hold '{text}'"):
+            encode(text, mode=mode)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -21,8 +21,8 @@ from perfqr_cad.symbol import (
     readability,
     recover,
 )
+from perfqr_cad.symbol.correction import MISDECODE_LIMIT, misdecode_chance, misread_chance
 from perfqr_cad.symbol.layout import version_word
-from perfqr_cad.symbol.recovery import MISDECODE_LIMIT, misdecode_chance, misread_chance
 
 
 def test_three_wrong_bits_in_each_copy_of_the_format_are_corrected() -> None:
@@ -177,6 +177,8 @@ def test_likelihoods_of_another_size_are_refused() -> None:
     symbol = encode("SHADES", version=2)
     with pytest.raises(SymbolError, match="give one for each module"):
         recover(symbol.matrix, log_likelihood=np.zeros((21, 21)))
+    with pytest.raises(SymbolError, match="not a number"):
+        recover(symbol.matrix, log_likelihood=np.full((25, 25), np.nan))
 
 
 def test_matrix_of_another_size_is_refused() -> None:
