@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern.outline import Region
-from perfqr_cad.surface import Placement, Plane, Triangles
+from perfqr_cad.surface import Cone, HeightField, Placement, Plane, Revolved, Triangles
 
 from . import occ
 from .chart import Chart
+from .curved_charts import ConeChart, HeightFieldChart, RevolvedChart
 from .expected import volume_mm3
 from .mesh import CHORD_MM, triangulate
 from .occ import EDGE, FACE, SOLID
@@ -89,6 +90,14 @@ def _problems(volume: float, expected: float, triangles: Triangles, flat: bool) 
 
 def chart_of(placement: Placement) -> Chart:
     """The kernel's view of a placement."""
-    if isinstance(placement, Plane):
-        return PlaneChart(placement)
-    raise KernelError(f"no exact chart for {type(placement).__name__}")
+    match placement:
+        case Plane():
+            return PlaneChart(placement)
+        case Revolved():
+            return RevolvedChart(placement)
+        case Cone():
+            return ConeChart(placement)
+        case HeightField():
+            return HeightFieldChart(placement)
+        case _:
+            raise KernelError(f"no exact chart for {type(placement).__name__}: use a surface of perfqr_cad.surface")

@@ -1,26 +1,32 @@
 """The volume a solid must have, from the outline and the map alone: no modeller, no triangles.
 
 V = ∫ dd ∬ J(u, v, d) du dv over the material at each depth d, with J the map's volume density. Green's theorem
-turns the inner integral into ∮ G dv along the loops, G = ∫₀ᵘ J du. Every integral is a Gauss rule: exact on a
-plate (to rounding), spectrally close on smooth surfaces.
+turns the inner integral into ∮ G dv along the loops, ∂G/∂u = J. On a plate G = u and all is exact; elsewhere G
+is tabulated on a fine grid, and the integrals along edges and depths are Gauss rules.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.interpolate import RectBivariateSpline, make_interp_spline
 
-from perfqr_cad.pattern.outline import Arc, Segment
+from perfqr_cad.pattern.outline import Circle, Line, Segment
 from perfqr_cad.surface import Placement
 
-from .sampling import Array, by_kind, derivatives
+from .sampling import Array, derivatives
 from .sections import Well
 
-NODES = 8  # of each Gauss rule; exact to degree 15
-ARC_PANELS = 4  # a whole circle is integrated by quarters
+NODES = 8  # of the Gauss rule along an edge panel; exact to degree 15
+DEPTH_NODES = 4  # J is quadratic in depth, and ruled walls move the edges linearly
+CIRCLE_PANELS = 4  # a whole circle is integrated by quarters
+PANEL_MM = 2.0  # on curved walls, where splines join between modules
+TABLE = 161  # grid lines of G over the code: a quarter of a module, or less
 
 Band = tuple[float, float]
+Swept = Callable[[Array], Array]
 
 
 def volume_mm3(wells: Sequence[Well], placement: Placement) -> float:
@@ -32,42 +38,57 @@ def volume_mm3(wells: Sequence[Well], placement: Placement) -> float:
             upper, lower = bands.setdefault(band, ([], []))
             upper += well.loops[k].segments
             lower += well.loops[k + 1].segments
-    return sum(_band_volume(upper, lower, band, placement) for band, (upper, lower) in bands.items())
+    rim = wells[0].loops[0].flatten(PANEL_MM)
+    box = rim.min(axis=0), rim.max(axis=0)
+    return sum(_band_volume(upper, lower, band, placement, box) for band, (upper, lower) in bands.items())
 
 
-def _band_volume(upper: list[Segment], lower: list[Segment], band: Band, placement: Placement) -> float:
+def _band_volume(
+    upper: list[Segment], lower: list[Segment], band: Band, placement: Placement, box: tuple[Array, Array]
+) -> float:
     """Between two levels the loops move along straight lines, as the ruled walls do."""
-    node, weight = _gauss(1)
     top, bottom = band
+    still = placement.is_flat and upper == lower
+    rules = ((0.0, 1.0),) if still else list(zip(*gauss(DEPTH_NODES, 1), strict=True))
+    tables = [_swept(placement, top + s * (bottom - top), box) for s, _ in rules]
     total = 0.0
-    for kind, rows in by_kind(upper).items():
-        if not len(rows):
-            continue
-        along, along_weight = _gauss(ARC_PANELS if kind is Arc else 1)
-        p0, v0 = derivatives([upper[i] for i in rows], along)
-        p1, v1 = derivatives([lower[i] for i in rows], along)
-        still = np.array_equal(p0, p1) and placement.is_flat
-        for s, w in ((0.0, 1.0),) if still else zip(node, weight, strict=True):
+    for panels, rows in _by_panels(upper, placement.is_flat).items():
+        node, weight = gauss(NODES, panels)
+        p0, v0 = derivatives([upper[i] for i in rows], node)
+        p1, v1 = derivatives([lower[i] for i in rows], node)
+        for (s, share), swept in zip(rules, tables, strict=True):
             point, slope = (1 - s) * p0 + s * p1, (1 - s) * v0 + s * v1
-            swept = _swept(point.reshape(-1, 2), top + s * (bottom - top), placement)
-            total += w * float(np.sum(swept * (slope[..., 1] * along_weight).ravel()))
+            total += share * float(np.sum(swept(point.reshape(-1, 2)) * (slope[..., 1] * weight).ravel()))
     return total * (bottom - top)
 
 
-def _swept(at: Array, depth_mm: float, placement: Placement) -> Array:
-    """G at pattern points: the density integrated along u from 0, (k,)."""
+def _by_panels(segments: Sequence[Segment], flat: bool) -> dict[int, list[int]]:
+    """Segments by the number of panels they are integrated in."""
+    found: dict[int, list[int]] = {}
+    for i, segment in enumerate(segments):
+        panels = 1 if isinstance(segment, Line) else CIRCLE_PANELS if isinstance(segment, Circle) else 2
+        if not flat:
+            panels = max(panels, math.ceil(segment.length / PANEL_MM))
+        found.setdefault(panels, []).append(i)
+    return found
+
+
+def _swept(placement: Placement, depth_mm: float, box: tuple[Array, Array]) -> Swept:
+    """G at one depth. Its lower limit is free: over closed loops ∮ c(v) dv = 0."""
     if placement.is_flat:
-        return at[:, 0]
-    node, weight = _gauss(1)
-    total = np.zeros(len(at))
-    for s, w in zip(node, weight, strict=True):
-        total += w * placement.volume_density(at * (s, 1.0), depth_mm)
-    return total * at[:, 0]
+        return lambda at: at[:, 0]
+    low, high = box
+    u, v = np.linspace(low[0], high[0], TABLE), np.linspace(low[1], high[1], TABLE)
+    grid = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)
+    density = placement.volume_density(grid, depth_mm).reshape(TABLE, TABLE)
+    swept = make_interp_spline(u, density, axis=0).antiderivative()(u)
+    table = RectBivariateSpline(u, v, swept, s=0)
+    return lambda at: table.ev(at[:, 0], at[:, 1])
 
 
-def _gauss(panels: int) -> tuple[Array, Array]:
+def gauss(nodes: int, panels: int) -> tuple[Array, Array]:
     """Nodes and weights on [0, 1], composite over equal panels."""
-    node, weight = np.polynomial.legendre.leggauss(NODES)
+    node, weight = np.polynomial.legendre.leggauss(nodes)
     node, weight = (node + 1) / 2, weight / 2
     starts = np.arange(panels)[:, None]
     return ((starts + node) / panels).ravel(), np.tile(weight / panels, panels)

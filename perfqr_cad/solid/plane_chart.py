@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from OCP.Geom import Geom_BSplineCurve, Geom_Circle, Geom_ConicalSurface, Geom_CylindricalSurface, Geom_Line, Geom_Plane
+from OCP.Geom import Geom_Circle, Geom_ConicalSurface, Geom_CylindricalSurface, Geom_Line, Geom_Plane
 from OCP.gp import gp_Ax2, gp_Ax3, gp_Dir, gp_Pnt
 
-from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Point, Segment
+from perfqr_cad.errors import KernelError
+from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Segment
 from perfqr_cad.surface import Plane
 
 from .chart import Column, Level, Trace, Wall
@@ -24,7 +25,7 @@ BEZIER_KNOTS = (0.0,) * 4 + (1.0,) * 4
 SAME = 1e-9
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlaneChart:
     """Levels are horizontal planes; lines stand in planes, arcs in cylinders and cones, Béziers in ruled faces."""
 
@@ -64,8 +65,7 @@ def _trace(segment: Segment, z: float) -> Trace:
             length = math.hypot(x1 - x, y1 - y)
             return Trace(Geom_Line(gp_Pnt(x, y, z), gp_Dir(x1 - x, y1 - y, 0)), 0.0, length)
         case Bezier():
-            poles = np.array([(*p, z) for p in segment.controls])
-            return Trace(spline_curve(poles, BEZIER_KNOTS, 3), 0.0, 1.0)
+            return Trace(spline_curve(_poles(segment, z), BEZIER_KNOTS, 3), 0.0, 1.0)
         case Arc() | Circle():
             frame = gp_Ax2(gp_Pnt(*segment.centre, z), UP if segment.ccw else DOWN, _start_ray(segment))
             return Trace(Geom_Circle(frame, segment.radius), 0.0, _sweep(segment))
@@ -80,10 +80,10 @@ def _wall(upper: Segment, lower: Segment, z0: float, z1: float, top: Trace, bott
             return _round_wall(upper, lower, z0, z1)
         case (Arc() | Circle()), (Arc() | Circle()):
             return oblique_wall(top, bottom)
+        case Bezier(), Bezier():
+            return ruled_wall(_poles(upper, z0), _poles(lower, z1), BEZIER_KNOTS, 3)
         case _:
-            assert isinstance(top.curve, Geom_BSplineCurve)
-            assert isinstance(bottom.curve, Geom_BSplineCurve)
-            return ruled_wall(top, bottom)
+            raise KernelError(f"a {type(upper).__name__} cannot stand above a {type(lower).__name__}")
 
 
 def _flat_wall(upper: Line, lower: Line, z0: float, z1: float) -> Wall:
@@ -127,13 +127,13 @@ def _concentric(a: Arc | Circle, b: Arc | Circle) -> bool:
     return math.dist(a.centre, b.centre) <= SAME * a.radius and abs(_sweep(a) - _sweep(b)) <= SAME
 
 
+def _poles(segment: Bezier, z: float) -> Array:
+    return np.array([(*p, z) for p in segment.controls])
+
+
 def _start_ray(segment: Arc | Circle) -> gp_Dir:
-    (x, y), (cx, cy) = _start(segment), segment.centre
+    (x, y), (cx, cy) = segment.start, segment.centre
     return gp_Dir(x - cx, y - cy, 0)
-
-
-def _start(segment: Arc | Circle) -> Point:
-    return segment.start
 
 
 def _sweep(segment: Arc | Circle) -> float:

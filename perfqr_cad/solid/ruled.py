@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
-from OCP.Geom import Geom_BSplineCurve, Geom_Circle
+from OCP.Geom import Geom_Circle
 from OCP.Geom2d import Geom2d_BSplineCurve
 
 from .chart import Trace, Wall
@@ -18,22 +19,18 @@ QUARTER_RAD = math.pi / 2
 PIECES = 24
 
 
-def ruled_wall(top: Trace, bottom: Trace) -> Wall:
-    """The ruled face between two splines of the same degree and knots; exact on both.
+def ruled_wall(upper: Array, lower: Array, knots: Sequence[float], degree: int) -> Wall:
+    """The ruled face between two splines of the same degree and knots, by their (k, 3) poles; exact on both.
 
     The surface's second parameter runs from the lower curve (0) to the upper (1), so that its own normal
     points to the right of travel.
     """
-    upper, lower = _poles(top), _poles(bottom)
-    curve = top.curve
-    assert isinstance(curve, Geom_BSplineCurve)
-    knots = [k for i in range(1, curve.NbKnots() + 1) for k in [curve.Knot(i)] * curve.Multiplicity(i)]
-    surface = spline_surface(np.stack([lower, upper], axis=1), knots, RULING_KNOTS, (curve.Degree(), 1))
+    surface = spline_surface(np.stack([lower, upper], axis=1), knots, RULING_KNOTS, (degree, 1))
     images = (
         line_2d(0, 1, 1, 0),
         line_2d(0, 0, 1, 0),
-        falling(top.first, math.dist(upper[0], lower[0])),
-        falling(top.last, math.dist(upper[-1], lower[-1])),
+        falling(knots[0], math.dist(upper[0], lower[0])),
+        falling(knots[-1], math.dist(upper[-1], lower[-1])),
     )
     return Wall(surface, outward=True, images=images)
 
@@ -66,12 +63,6 @@ def oblique_wall(top: Trace, bottom: Trace) -> Wall:
 def falling(u: float, length: float) -> Geom2d_BSplineCurve:
     """Image of a side edge, by its arc length, on a ruled surface: from the upper curve to the lower."""
     return spline_curve_2d(np.array([[u, 1.0], [u, 0.0]]), (0.0, 0.0, length, length), 1)
-
-
-def _poles(trace: Trace) -> Array:
-    curve = trace.curve
-    assert isinstance(curve, Geom_BSplineCurve)
-    return np.array([(p.X(), p.Y(), p.Z()) for p in map(curve.Pole, range(1, curve.NbPoles() + 1))])
 
 
 def _rational(arc: Trace, spans: int) -> tuple[Array, Array]:

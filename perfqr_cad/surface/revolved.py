@@ -132,7 +132,7 @@ class Revolution(Revolved):
         low, high = points[0, 1], points[-1, 1]
         if not low < self.height_mm < high:
             raise DesignError(f"height {self.height_mm:g} mm is off the profile: choose one in {low:g} to {high:g} mm")
-        if (least := float(self._along(np.linspace(*self._span, 257))[:, 0].min())) <= self.thickness_mm:
+        if (least := float(self._along(np.linspace(*self.span, 257))[:, 0].min())) <= self.thickness_mm:
             thinner("surface of revolution", self.thickness_mm, max(least, 0.0))
 
     @property
@@ -164,7 +164,8 @@ class Revolution(Revolved):
         return (low + high) / 2
 
     @property
-    def _span(self) -> tuple[float, float]:
+    def span(self) -> tuple[float, float]:
+        """Least and greatest v, mm."""
         low, high = self.spline.domain
         return low - self.centre_length_mm, high - self.centre_length_mm
 
@@ -180,5 +181,5 @@ class Revolution(Revolved):
         return normal / np.linalg.norm(normal, axis=1)[:, None]
 
     def reach_mm(self) -> float:
-        low, high = self._span
+        low, high = self.span
         return min(-low, high, math.pi * self.centre_radius_mm)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,10 +57,30 @@ def interpolated(x: Array, values: Array) -> Spline:
 def tensor(x: Array, y: Array, values: Array) -> TensorSpline:
     """The bicubic through values (k, m, d) on a grid of at least 4 × 4."""
     u_knots, v_knots = not_a_knot(x), not_a_knot(y)
-    along_u = np.linalg.solve(collocation(u_knots, x), values.reshape(len(x), -1)).reshape(values.shape)
-    turned = np.swapaxes(along_u, 0, 1)
-    along_v = np.linalg.solve(collocation(v_knots, y), turned.reshape(len(y), -1)).reshape(turned.shape)
-    return TensorSpline(u_knots, v_knots, np.swapaxes(along_v, 0, 1))
+    return TensorSpline(u_knots, v_knots, _both_ways(collocation(u_knots, x), collocation(v_knots, y), values))
+
+
+def fitted(function: Callable[[Array], Array], knots: Array) -> Spline:
+    """The cubic with these flat knots through `function`, (k,) -> (k, d), at their Greville abscissae."""
+    sites = greville(knots)
+    return Spline(knots, np.linalg.solve(collocation(knots, sites), function(sites)))
+
+
+def tensor_fitted(function: Callable[[Array], Array], u_knots: Array, v_knots: Array) -> TensorSpline:
+    """The bicubic with these flat knots through `function`, (k, 2) -> (k, d), at their Greville abscissae."""
+    u, v = greville(u_knots), greville(v_knots)
+    grid = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1)
+    values = function(grid.reshape(-1, 2)).reshape(len(u), len(v), -1)
+    return TensorSpline(u_knots, v_knots, _both_ways(collocation(u_knots, u), collocation(v_knots, v), values))
+
+
+def refined_knots(knots: Array, pieces: int) -> Array:
+    """Knots for what is made of a spline's derivatives, an offset say: inner knots doubled, since a derivative is
+    less smooth there, and `pieces` equal pieces in each span."""
+    breaks = np.unique(knots)
+    steps = [np.linspace(a, b, pieces + 1)[1:] for a, b in zip(breaks, breaks[1:], strict=False)]
+    inner = np.concatenate([np.append(step, step[-1]) for step in steps])[:-2]
+    return np.concatenate([np.repeat(breaks[0], DEGREE + 1), inner, np.repeat(breaks[-1], DEGREE + 1)])
 
 
 def not_a_knot(x: Array) -> Array:
@@ -78,6 +99,14 @@ def collocation(knots: Array, x: Array) -> Array:
 def greville(knots: Array) -> Array:
     """Abscissae (n,) whose values as poles make the spline the identity."""
     return np.array([knots[i + 1 : i + DEGREE + 1].mean() for i in range(len(knots) - DEGREE - 1)])
+
+
+def _both_ways(along_u: Array, along_v: Array, values: Array) -> Array:
+    """Poles (n, m, d) of values (n, m, d): the collocation systems solved along one parameter, then the other."""
+    half = np.linalg.solve(along_u, values.reshape(len(values), -1)).reshape(values.shape)
+    turned = np.swapaxes(half, 0, 1)
+    whole = np.linalg.solve(along_v, turned.reshape(len(turned), -1)).reshape(turned.shape)
+    return np.swapaxes(whole, 0, 1)
 
 
 def _basis(knots: Array, x: Array, derivative: int) -> tuple[NDArray[np.int64], Array]:

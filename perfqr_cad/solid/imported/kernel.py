@@ -132,7 +132,7 @@ def cut(solid: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
     operation.SetRunParallel(True)
     operation.SetNonDestructive(True)
     operation.Build()
-    if operation.HasErrors():
+    if not operation.IsDone():
         raise KernelError(f"cutting {len(tools)} holes failed in the kernel: move the code or change its size a little")
     found = solids(operation.Shape())
     if len(found) != 1:
