@@ -15,8 +15,7 @@ from .loss import loss_curve
 from .style import STYLE
 
 if TYPE_CHECKING:
-    from perfqr_cad.scan import ScanReport
-    from perfqr_cad.scan.report import Sight
+    from perfqr_cad.scan import DecoderResult, ScanReport, Sight
     from perfqr_cad.structure import StressField
 
 STAGE_TEXT = {
@@ -24,7 +23,7 @@ STAGE_TEXT = {
     "connectivity": "islands (red)",
     "structural": "strength (green)",
 }
-MAPS = (("stress", "von Mises stress"), ("deflection", "deflection"))
+MAPS = (("stress", "Von Mises stress"), ("deflection", "Deflection"))
 PICTURE_PX = (720, 540)
 MAP_INCHES, MAP_DPI = (4.6, 4.0), 110
 
@@ -118,24 +117,29 @@ def _maps(field: StressField, when: str) -> str:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from perfqr_cad.structure.maps import draw
-
     parts: list[str] = []
     for what, name in MAPS:
         figure = Figure(figsize=MAP_INCHES, dpi=MAP_DPI, layout="constrained")
         FigureCanvasAgg(figure)
-        draw(field, figure.add_subplot(), what)
+        _draw(field, figure.add_subplot(), what)
         data = BytesIO()
         figure.savefig(data, format="png")
-        parts.append(markup.figure(markup.png_image(data.getvalue(), name), f"{name.capitalize()}, {when}"))
+        parts.append(markup.figure(markup.png_image(data.getvalue(), name), f"{name}, {when}"))
     return "".join(parts)
+
+
+def _draw(field: StressField, axes: Any, what: str) -> None:
+    values, unit = (field.von_mises_mpa, "MPa") if what == "stress" else (field.deflection_mm, "mm")
+    mesh = axes.tripcolor(*field.uv_mm.T, field.triangles, values, shading="gouraud", cmap="turbo")
+    axes.set(aspect="equal", xlabel="mm")
+    axes.figure.colorbar(mesh, label=unit)
 
 
 def _scan(report: ScanReport | None) -> str:
     if report is None:
         return "<h2>Scan</h2>\n<p>Not filmed.</p>"
     tilts = next(iter(report.decoders.values())).tilts_deg if report.decoders else ()
-    rows = [(name, result.rates, _reach(result.max_tilt_deg)) for name, result in report.decoders.items()]
+    rows = [(name, result.rates, _reach(result)) for name, result in report.decoders.items()]
     heat = markup.heat_map([f"{tilt:g}°" for tilt in tilts], rows)
     backgrounds = markup.table(
         (), [(f"on {name}", f"{rate:.1%}") for name, rate in report.backgrounds.items()]
@@ -156,8 +160,11 @@ def _scan(report: ScanReport | None) -> str:
     )
 
 
-def _reach(max_tilt_deg: float | None) -> str:
-    return "not even from above" if max_tilt_deg is None else f"every view to {max_tilt_deg:g}°"
+def _reach(result: DecoderResult) -> str:
+    """How far every view is read, and how far the flat print of the same code is: the ceiling."""
+    reach, ceiling = result.max_tilt_deg, result.flat_max_tilt_deg
+    part = "no view from above" if reach is None else f"every view to {reach:g}°"
+    return f"{part}; flat print: {'none' if ceiling is None else f'{ceiling:g}°'}"
 
 
 def _sight(sight: Sight, caption: str) -> str:

@@ -112,8 +112,8 @@ def test_facts_are_there_and_escaped(text):
 
 
 def test_scan_is_shown(text):
-    assert "every view to 0°" in text
-    assert "not even from above" in text
+    assert "every view to 0°; flat print: 30°" in text
+    assert "no view from above; flat print: 30°" in text
     assert "The first view that is missed: 30° from azimuth 90°, read by none" in text
     assert "thin the bridge" in text
     assert "95.0%" in text
