@@ -58,6 +58,14 @@ def parity(data: ByteArray, ec: int) -> ByteArray:
     return rest
 
 
-def valid(words: ByteArray, ec: int) -> NDArray[np.bool_]:
-    """(b,) whether each of b words (b, n) is valid: its last `ec` bytes are the parity of the others."""
-    return (parity(words[:, :-ec], ec) == words[:, -ec:]).all(axis=1)
+def syndromes(words: ByteArray, ec: int) -> ByteArray:
+    """Values (b, ec) of b received words (b, n) at α⁰ … α^(ec − 1): all zero where a word is valid."""
+    terms = EXP[LOG[words][:, :, None] + _root_powers(words.shape[1], ec)]
+    terms[words == 0] = 0
+    return np.bitwise_xor.reduce(terms, axis=1)
+
+
+@cache
+def _root_powers(length: int, ec: int) -> NDArray[np.int32]:
+    """(length, ec) logarithm of what a codeword of the word is multiplied with in each syndrome."""
+    return read_only(np.arange(length - 1, -1, -1)[:, None] * np.arange(ec)[None, :] % ORDER)

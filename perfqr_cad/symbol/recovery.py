@@ -14,7 +14,7 @@ from perfqr_cad.errors import SymbolError
 from perfqr_cad.symbol.correction import FloatArray, correct_erased, nearest
 from perfqr_cad.symbol.drawing import Symbol, extract
 from perfqr_cad.symbol.format import FormatInfo, format_candidates
-from perfqr_cad.symbol.galois import ByteArray, valid
+from perfqr_cad.symbol.galois import ByteArray, syndromes
 from perfqr_cad.symbol.layout import Layout, layout
 from perfqr_cad.symbol.masks import mask_pattern
 from perfqr_cad.symbol.matrix import Matrix
@@ -102,9 +102,10 @@ def _correct_errors(placed: ByteArray, at: Layout) -> list[int]:
     """Corrects blocks with up to r errors in place; returns the numbers of the others."""
     failed: list[int] = []
     for group, first in zip(at.groups, (0, len(at.groups[0])), strict=False):
-        for row in np.flatnonzero(~valid(placed[group], at.blocks.ec)).tolist():
+        checks = syndromes(placed[group], at.blocks.ec)
+        for row in np.flatnonzero(checks.any(axis=1)).tolist():
             word = placed[group[row]]
-            found = nearest(word, at.blocks.ec, [])
+            found = nearest(word, checks[row], [])
             if found is None or np.count_nonzero(found != word) > at.blocks.capacity:
                 failed.append(first + row)
             else:
