@@ -7,7 +7,6 @@ corners of consecutive levels. So caps and walls share every boundary edge.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,9 +17,10 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Segment
+from perfqr_cad.pattern.outline import Segment
 from perfqr_cad.surface import Triangles
 
+from .sampling import positions
 from .sections import Well
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ def triangulate(
     wells: Sequence[Well], thickness_mm: float, place: Map, *, chord_mm: float = CHORD_MM, flat: bool = False
 ) -> Triangles:
     """The closed mesh of a panel: the first well is its rim. `flat` maps need no refinement."""
-    rings = [flattened(well, place, chord_mm, flat) for well in wells]
+    rings = flattened(wells, place, chord_mm, flat)
     mesh = _Mesh(place, chord_mm, flat)
     columns = [[mesh.ring(level, depth) for level, depth in zip(r.levels, r.depths_mm, strict=True)] for r in rings]
     mesh.cap([column[0] for column in columns], [r.levels[0] for r in rings], 0.0, up=True)
@@ -62,52 +62,51 @@ def triangulate(
     return mesh.triangles()
 
 
-def flattened(well: Well, place: Map, chord_mm: float, flat: bool) -> Ring:
-    """The loops of a well as polygons whose corresponding sides keep the chord tolerance on every level."""
-    depths = [level.depth_mm for level in well.levels]
-    parts: list[list[Array]] = [[] for _ in depths]
-    for stack in well.stacks():
-        pieces = max(_pieces(segment, chord_mm) for segment in stack)
-        if not flat:
-            pieces = max(
-                pieces,
-                *(_bent(s, lambda uv, d=d: place(uv, d), chord_mm) for s, d in zip(stack, depths, strict=True)),
-            )
-        fractions = np.arange(pieces) / pieces
-        for part, segment in zip(parts, stack, strict=True):
-            part.append(sampled(segment, fractions))
-    return Ring(tuple(np.vstack(part) for part in parts), tuple(depths), well.floor)
+def flattened(wells: Sequence[Well], place: Map, chord_mm: float, flat: bool) -> list[Ring]:
+    """The wells as polygons whose corresponding sides keep the chord tolerance on every level."""
+    pieces = _pieces(wells, place, chord_mm, flat)
+    rings: list[Ring] = []
+    first = 0
+    for well in wells:
+        counts = pieces[first : first + len(well.loops[0].segments)]
+        first += len(counts)
+        levels = tuple(_polygon(loop.segments, counts) for loop in well.loops)
+        rings.append(Ring(levels, tuple(level.depth_mm for level in well.levels), well.floor))
+    return rings
 
 
-def sampled(segment: Segment, fractions: Array) -> Array:
-    """Points (k, 2) of a segment at fractions of its own parameter; the angle, on arcs and circles."""
-    match segment:
-        case Line(start, end):
-            points = np.outer(1 - fractions, start) + np.outer(fractions, end)
-        case Bezier():
-            t, s = fractions, 1 - fractions
-            weights = np.stack([s**3, 3 * s * s * t, 3 * s * t * t, t**3], axis=1)
-            points = weights @ np.array(segment.controls)
-        case Arc() | Circle():
-            start = segment.start_rad if isinstance(segment, Arc) else 0.0
-            sweep = segment.sweep_rad if isinstance(segment, Arc) else (math.tau if segment.ccw else -math.tau)
-            angle = start + fractions * sweep
-            points = segment.centre + segment.radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    ends = (fractions == 0.0, fractions == 1.0)
-    points[ends[0]] = segment.start  # to the bit, so that neighbours meet
-    points[ends[1]] = segment.end
-    return points
+def _pieces(wells: Sequence[Well], place: Map, chord_mm: float, flat: bool) -> Indices:
+    """In how many pieces each segment of the wells' loops is cut, the same on all its levels."""
+    stacks = [stack for well in wells for stack in well.stacks()]
+    pieces = np.array([max(len(s.flatten(chord_mm)) for s in stack) for stack in stacks])
+    if flat:
+        return pieces
+    by_depth: dict[float, tuple[list[int], list[Segment]]] = {}
+    row = 0
+    for well in wells:
+        for stack in well.stacks():
+            for segment, level in zip(stack, well.levels, strict=True):
+                rows, segments = by_depth.setdefault(level.depth_mm, ([], []))
+                rows.append(row)
+                segments.append(segment)
+            row += 1
+    for depth, (rows, segments) in by_depth.items():
+        # The sagitta of the laid segment falls with the square of the number of pieces.
+        laid = place(positions(segments, np.array([0.0, 0.5, 1.0])).reshape(-1, 2), depth).reshape(-1, 3, 3)
+        sagitta = np.linalg.norm(laid[:, 1] - (laid[:, 0] + laid[:, 2]) / 2, axis=1)
+        np.maximum.at(pieces, rows, np.ceil(np.sqrt(sagitta / chord_mm)).astype(np.int64))
+    return pieces
 
 
-def _pieces(segment: Segment, chord_mm: float) -> int:
-    return len(segment.flatten(chord_mm))
-
-
-def _bent(segment: Segment, place: Callable[[Array], Array], chord_mm: float) -> int:
-    """Pieces that keep the laid segment within the tolerance of its chords; the sagitta falls with their square."""
-    start, middle, end = place(sampled(segment, np.array([0.0, 0.5, 1.0])))
-    sagitta = float(np.linalg.norm(middle - (start + end) / 2))
-    return max(1, math.ceil(math.sqrt(sagitta / chord_mm)))
+def _polygon(segments: Sequence[Segment], pieces: Indices) -> Array:
+    """Corners (n, 2) of a loop whose segments are cut in so many equal pieces each."""
+    starts = np.concatenate([[0], np.cumsum(pieces)[:-1]])
+    corners = np.empty((int(pieces.sum()), 2))
+    for count in np.unique(pieces).tolist():
+        rows = np.flatnonzero(pieces == count)
+        points = positions([segments[i] for i in rows], np.arange(count) / count)
+        corners[starts[rows][:, None] + np.arange(count)] = points
+    return corners
 
 
 class _Mesh:
@@ -126,7 +125,7 @@ class _Mesh:
         return self._add(self._place(uv, depth_mm))
 
     def wall(self, upper: Indices, lower: Indices) -> None:
-        """Quads between two rings, outside to the right of travel; each is cut along its shorter diagonal."""
+        """Quads between two rings, outside to the right of travel."""
         after_u, after_l = np.roll(upper, -1), np.roll(lower, -1)
         self._faces += [np.column_stack([lower, after_l, after_u]), np.column_stack([lower, after_u, upper])]
 
