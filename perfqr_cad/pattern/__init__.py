@@ -1,7 +1,7 @@
 """The 2-D design in millimetres: outlines, islands, bridges."""
 
 from perfqr_cad.pattern.bridge import Bridge
-from perfqr_cad.pattern.build import build
+from perfqr_cad.pattern.drafting import build
 from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Loop, Region
 from perfqr_cad.pattern.pattern import Optimality, Pattern
 from perfqr_cad.pattern.spec import PatternSpec

@@ -1,21 +1,63 @@
-"""Making one piece of many: routes between islands, cheapest first."""
+"""One piece of many, losing as little as can be: codewords first, then decoding margin, then area."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from perfqr_cad.pattern.draft import Bar, Draft, Rect
-from perfqr_cad.pattern.lattice import label
-from perfqr_cad.pattern.routing import Field, Route, brush_grid, routes
-from perfqr_cad.pattern.sampling import blur_weights, misread_chance, right_contrast, sample_weights
-from perfqr_cad.symbol import Symbol
+from perfqr_cad.pattern.lattice import Cells, label
+from perfqr_cad.pattern.pattern import Optimality
+from perfqr_cad.pattern.routing import Field, Route, Router, brush_grid
+from perfqr_cad.pattern.sampling import (
+    blur_weights,
+    brightness,
+    misread_chance,
+    right_contrast,
+    sample_weights,
+    sampled,
+)
+from perfqr_cad.pattern.spanning import Conflict, Link, cheapest, kruskal
+from perfqr_cad.symbol import Role, Symbol, layout
 
 AREA_PRICE = 0.02  # expected misread modules that a module's area of change is worth: appearance comes last
-BRIDGE_DOSE = (
-    0.3  # brightness that a bridge along its edge adds to a module: the rise of its risk is taken over this
-)
+BRIDGE_DOSE = 0.3  # brightness that a bridge along its edge adds to a module: risk is measured over this rise
 CENTRE_PRICE = 4.0  # expected misread modules for painting over the whole sampled centre of a module
+FINDER_PRICE = 8.0  # expected misread modules for painting over a module that a reader finds the code by
+LENGTH_PRICE = 1e-3  # of the area price: of two routes that cost the same, the shorter
 STEPS_PER_MODULE = 4
+MOST_CONFLICT_ROUNDS = 6
+
+
+def join(
+    draft: Draft, symbol: Symbol, web_mm: float, solid_is_dark: bool, time_limit_s: float
+) -> tuple[Draft, Optimality | None]:
+    """All islands joined at the least cost over the candidate routes, and the proof."""
+    labels, count = label(draft.solid)
+    if count <= 1:
+        return draft, Optimality(0.0, 0.0, 0.0, 0.0)
+    lattice = draft.lattice
+    brush, step = lattice.whole(web_mm), lattice.per_module // STEPS_PER_MODULE
+    grid = brush_grid(draft.solid, labels, cell_price(draft, symbol, solid_is_dark), brush, step)
+    router = Router(grid, LENGTH_PRICE * AREA_PRICE * brush * step / lattice.per_module**2)
+    pairs = router.pairs()
+    tree, _ = kruskal([Link(route.islands, route.price) for route in pairs])
+    candidates = pairs + router.stars(pairs, max(pairs[k].price for k in tree))
+    damage = Damage.of(draft, symbol, solid_is_dark)
+    links = [Link(r.islands, r.price, damage.codewords(r.rectangles(brush))) for r in candidates]
+    conflicts: list[Conflict] = []
+    for _ in range(MOST_CONFLICT_ROUNDS):
+        chosen, optimality = cheapest(links, conflicts, time_limit_s)
+        painted = draft.with_bars(
+            [bar for k in chosen for bar in route_bars(candidates[k], brush)], "connectivity"
+        )
+        found = damage.joint(painted, [candidates[k] for k in chosen], chosen, links, brush)
+        if not found:
+            break
+        conflicts += found
+    return painted, optimality
 
 
 def cell_price(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Field:
@@ -28,23 +70,10 @@ def cell_price(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Field:
     weights = blur_weights(n + 2 * quiet, u)[quiet : quiet + n]
     price = weights.T @ rise @ weights + AREA_PRICE / u**2
     centre = np.kron(CENTRE_PRICE * harmful, np.outer(sample_weights(u), sample_weights(u)))
-    edge = quiet * u
-    price[edge : edge + n * u, edge : edge + n * u] += centre
+    roles = layout(symbol.version, symbol.level).roles
+    finder = np.kron((roles == Role.FINDER) * FINDER_PRICE, np.full((u, u), 1 / u**2))
+    price[quiet * u : (quiet + n) * u, quiet * u : (quiet + n) * u] += centre + finder
     return price
-
-
-def join(draft: Draft, symbol: Symbol, web_mm: float, solid_is_dark: bool) -> Draft:
-    """All islands joined by the cheapest routes."""
-    labels, count = label(draft.solid)
-    if count <= 1:
-        return draft
-    lattice = draft.lattice
-    price = cell_price(draft, symbol, solid_is_dark)
-    brush = lattice.whole(web_mm)
-    grid = brush_grid(draft.solid, labels, price, brush, lattice.per_module // STEPS_PER_MODULE)
-    least = AREA_PRICE * brush * (lattice.per_module // STEPS_PER_MODULE) / lattice.per_module**2 * 1e-3
-    chosen = spanning_tree(routes(grid, least))
-    return draft.with_bars([bar for route in chosen for bar in route_bars(route, brush)], "connectivity")
 
 
 def route_bars(route: Route, brush: int) -> list[Bar]:
@@ -52,19 +81,80 @@ def route_bars(route: Route, brush: int) -> list[Bar]:
     return [Bar(Rect(*r), r[2] - r[0] > r[3] - r[1], route.price) for r in route.rectangles(brush)]
 
 
-def spanning_tree(links: list[Route]) -> list[Route]:
-    """The links of a minimum spanning tree (Kruskal), cheapest first."""
-    leader: dict[int, int] = {}
+@dataclass(frozen=True, eq=False)
+class Damage:
+    """Which codewords painted cells turn wrong.
 
-    def find(a: int) -> int:
-        while leader.setdefault(a, a) != a:
-            leader[a] = a = leader[leader[a]]
-        return a
+    wrong  (n, n) modules that are read wrong before any route is painted
+    """
 
-    chosen: list[Route] = []
-    for link in sorted(links, key=lambda link: link.price):
-        a, b = find(link.islands[0]), find(link.islands[1])
-        if a != b:
-            leader[a] = b
-            chosen.append(link)
-    return chosen
+    draft: Draft
+    codeword_of: np.ndarray
+    solid_is_right: Cells
+    wrong: Cells
+
+    @staticmethod
+    def of(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Damage:
+        right = symbol.matrix.dark == solid_is_dark
+        wrong = (brightness(draft.lattice) >= 0.5) != right
+        return Damage(draft, _protected_groups(symbol), right, wrong)
+
+    def codewords(self, rectangles: Sequence[tuple[int, int, int, int]]) -> frozenset[int]:
+        """Codewords that are right before and wrong after these cells are painted."""
+        return self._lost(self._flipped(self.draft.solid, rectangles))
+
+    def joint(
+        self,
+        painted: Draft,
+        routes: Sequence[Route],
+        chosen: Sequence[int],
+        links: Sequence[Link],
+        brush: int,
+    ) -> list[Conflict]:
+        """Losses of a whole choice that no single route accounts for, each with the routes that share it."""
+        wrong = ((brightness(painted.lattice) >= 0.5) != self.solid_is_right) & ~self.wrong
+        known = set[int]().union(*(links[k].codewords for k in chosen))
+        found: list[Conflict] = []
+        for row, column in np.argwhere(wrong & (self.codeword_of >= 0)).tolist():
+            lost = self._lost(np.array([[row, column]]))
+            if lost and not lost <= known:
+                guilty = [
+                    k
+                    for k, route in zip(chosen, routes, strict=True)
+                    if any(self._covers(rect, row, column) for rect in route.rectangles(brush))
+                ]
+                if guilty:
+                    found.append(Conflict(tuple(guilty), lost))
+        return found
+
+    def _flipped(self, solid: Cells, rectangles: Sequence[tuple[int, int, int, int]]) -> np.ndarray:
+        """(k, 2) row and column of modules that the painted cells turn wrong."""
+        lattice = self.draft.lattice
+        u, quiet, n = lattice.per_module, lattice.quiet, lattice.modules
+        x0, y0 = (max(0, min(r[k] for r in rectangles) // u - quiet) for k in (0, 1))
+        x1, y1 = (min(n, -(-max(r[k] for r in rectangles) // u) - quiet) for k in (2, 3))
+        if x1 <= x0 or y1 <= y0:
+            return np.empty((0, 2), np.int64)
+        left, top = (x0 + quiet) * u, (y0 + quiet) * u
+        part = solid[top : (y1 + quiet) * u, left : (x1 + quiet) * u].copy()
+        for a, b, c, d in rectangles:
+            part[max(b - top, 0) : max(d - top, 0), max(a - left, 0) : max(c - left, 0)] = True
+        here = np.s_[y0:y1, x0:x1]
+        wrong = ((sampled(part, u) >= 0.5) != self.solid_is_right[here]) & ~self.wrong[here]
+        return np.argwhere(wrong) + (y0, x0)
+
+    def _lost(self, modules: np.ndarray) -> frozenset[int]:
+        groups = self.codeword_of[modules[:, 0], modules[:, 1]]
+        already = np.unique(self.codeword_of[self.wrong])
+        return frozenset(np.setdiff1d(groups[groups >= 0], already).tolist())
+
+    def _covers(self, rect: tuple[int, int, int, int], row: int, column: int) -> bool:
+        u, quiet = self.draft.lattice.per_module, self.draft.lattice.quiet
+        left, top = (column + quiet) * u, (row + quiet) * u
+        return rect[0] < left + u and rect[2] > left and rect[1] < top + u and rect[3] > top
+
+
+def _protected_groups(symbol: Symbol) -> np.ndarray:
+    """(n, n) what is lost when a module is wrong: its codeword, or its format region after the codewords; −1 none."""
+    plan = layout(symbol.version, symbol.level)
+    return np.where(plan.format_region >= 0, plan.blocks.codewords + plan.format_region, plan.codeword_of)

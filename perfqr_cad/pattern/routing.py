@@ -7,7 +7,9 @@ sum of the price of its void cells. So any route has the least web along its who
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,8 @@ from numpy.typing import NDArray
 from perfqr_cad.pattern.lattice import Cells, Indices, Labels, erode
 
 Field = NDArray[np.float64]
+
+PRICE_TOL = 1e-9  # two prices closer than this are equal
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,24 +46,29 @@ class BrushGrid:
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """A way to join two islands: brush corners (k, 2) x, y along it, with its price."""
+    """A way to join islands: the brush's corners (k, 2) x, y along each arm, with the price of all arms.
 
-    islands: tuple[int, int]
-    corners: Indices
+    Two islands are joined by one arm; three by three arms that meet in a junction.
+    """
+
+    islands: tuple[int, ...]
+    arms: tuple[Indices, ...]
     price: float
 
     def rectangles(self, brush: int) -> list[tuple[int, int, int, int]]:
         """x0, y0, x1, y1 in cells of each straight stretch of the painted route."""
-        runs: list[tuple[int, int, int, int]] = []
-        start = 0
-        c = self.corners
-        for i in range(1, len(c)):
-            turning = i + 1 == len(c) or bool(((c[i + 1] - c[i]) * (c[i] - c[i - 1]) == 0).all())
-            if turning:
-                low, high = np.minimum(c[start], c[i]), np.maximum(c[start], c[i])
-                runs.append((int(low[0]), int(low[1]), int(high[0]) + brush, int(high[1]) + brush))
-                start = i
-        return runs
+        return [rect for arm in self.arms for rect in _stretches(arm, brush)]
+
+
+def _stretches(arm: Indices, brush: int) -> list[tuple[int, int, int, int]]:
+    move = np.diff(arm, axis=0) != 0
+    bends = np.flatnonzero((move[1:] != move[:-1]).any(axis=1)) + 1
+    stops = [0, *bends.tolist(), len(arm) - 1]
+    runs: list[tuple[int, int, int, int]] = []
+    for first, last in pairwise(stops):
+        low, high = np.minimum(arm[first], arm[last]), np.maximum(arm[first], arm[last])
+        runs.append((int(low[0]), int(low[1]), int(high[0]) + brush, int(high[1]) + brush))
+    return runs
 
 
 def brush_grid(solid: Cells, labels: Labels, price: Field, brush: int, step: int) -> BrushGrid:
@@ -81,33 +90,95 @@ def brush_grid(solid: Cells, labels: Labels, price: Field, brush: int, step: int
     return BrushGrid(at, at, island, np.maximum(across, 0), np.maximum(down, 0), brush)
 
 
-def routes(grid: BrushGrid, least: float) -> list[Route]:
-    """The cheapest route for each pair of islands whose domains of influence touch (Mehlhorn's graph).
+class Router:
+    """Shortest ways between the islands of one brush grid."""
 
-    A minimum spanning tree of these is a minimum spanning tree of all shortest routes. `least` is added to
-    the price of each step, so that of two free ways the shorter is taken.
-    """
-    from scipy.sparse.csgraph import dijkstra
+    def __init__(self, grid: BrushGrid, least: float) -> None:
+        """`least` is added to the price of each step, so that of two free ways the shorter is taken."""
+        self._grid = grid
+        self._steps = _Steps.of(grid, least)
+        self._graph = self._steps.graph()
 
-    steps = _Steps.of(grid, least)
-    reach, before, origin = dijkstra(
-        steps.graph(), directed=False, indices=steps.islands, min_only=True, return_predecessors=True
-    )
-    a, b = steps.alias[steps.start], steps.alias[steps.end]
-    price = reach[a] + steps.price + reach[b]
-    low, high = np.minimum(origin[a], origin[b]), np.maximum(origin[a], origin[b])
-    meeting = np.flatnonzero((low != high) & (low >= 0))
-    order = meeting[np.lexsort((price[meeting], high[meeting], low[meeting]))]
-    pairs = low[order].astype(np.int64) * len(before) + high[order]
-    cheapest = order[np.unique(pairs, return_index=True)[1]]
-    found: list[Route] = []
-    for e in cheapest:
-        one, other = steps.trail(int(steps.start[e]), before), steps.trail(int(steps.end[e]), before)
-        way = np.array(one[::-1] + other)
-        ends = int(grid.island.flat[way[0]]), int(grid.island.flat[way[-1]])
-        corners = np.stack([grid.xs[way % grid.shape[1]], grid.ys[way // grid.shape[1]]], axis=1)
-        found.append(Route(ends, corners, float(price[e])))
-    return found
+    def pairs(self) -> list[Route]:
+        """The cheapest route for each pair of islands whose domains of influence touch (Mehlhorn's graph).
+
+        A minimum spanning tree of these is a minimum spanning tree of all shortest routes.
+        """
+        from scipy.sparse.csgraph import dijkstra
+
+        steps = self._steps
+        self._reach, before, origin = dijkstra(
+            self._graph, directed=False, indices=steps.islands, min_only=True, return_predecessors=True
+        )
+        a, b = steps.alias[steps.start], steps.alias[steps.end]
+        price = self._reach[a] + steps.price + self._reach[b]
+        low, high = np.minimum(origin[a], origin[b]), np.maximum(origin[a], origin[b])
+        meeting = np.flatnonzero((low != high) & (low >= 0))
+        order = meeting[np.lexsort((price[meeting], high[meeting], low[meeting]))]
+        pairs = low[order].astype(np.int64) * len(before) + high[order]
+        cheapest = order[np.unique(pairs, return_index=True)[1]]
+        found: list[Route] = []
+        for e in cheapest.tolist():
+            one, other = steps.trail(int(steps.start[e]), before), steps.trail(int(steps.end[e]), before)
+            way = one[::-1] + other
+            ends = self._island(way[0]), self._island(way[-1])
+            found.append(Route(ends, (self._corners(way),), float(price[e])))
+        return found
+
+    def stars(self, pairs: Sequence[Route], limit: float) -> list[Route]:
+        """Junctions of three islands that are cheaper than any two of their `pairs`; no arm costs over `limit`."""
+        from scipy.sparse.csgraph import dijkstra
+
+        near = np.flatnonzero(self._reach <= limit)
+        graph = self._graph[near][:, near]
+        islands = np.flatnonzero(near >= len(self._steps.alias))
+        junctions = int(np.searchsorted(near, len(self._steps.alias)))
+        price = np.full((4, junctions), np.inf)
+        owner = np.zeros((4, junctions), np.int64)
+        for island in islands.tolist():
+            price[3] = dijkstra(graph, directed=False, indices=island, limit=limit)[:junctions]
+            owner[3] = island
+            order = np.argsort(price, axis=0, kind="stable")
+            price, owner = np.take_along_axis(price, order, 0), np.take_along_axis(owner, order, 0)
+        return self._best_stars(near, graph, price[:3], owner[:3], pairs)
+
+    def _best_stars(
+        self, near: Indices, graph: Any, price: Field, owner: Indices, pairs: Sequence[Route]
+    ) -> list[Route]:
+        """The cheapest junction of each three islands, where it beats the two cheapest of their pairs."""
+        from scipy.sparse.csgraph import dijkstra
+
+        known = {frozenset(route.islands): route.price for route in pairs}
+        whole = np.flatnonzero(np.isfinite(price).all(axis=0))
+        total = price[:, whole].sum(axis=0)
+        best: dict[tuple[int, ...], tuple[float, int]] = {}
+        for k in np.argsort(total, kind="stable").tolist():
+            best.setdefault(tuple(sorted(owner[:, whole[k]].tolist())), (float(total[k]), int(whole[k])))
+        found: list[Route] = []
+        for three, (sum_price, at) in best.items():
+            names = [self._name(int(near[i])) for i in three]
+            links = sorted(known.get(frozenset(pair), np.inf) for pair in combinations(names, 2))
+            if sum_price >= links[0] + links[1] - PRICE_TOL:
+                continue
+            arms: list[Indices] = []
+            for island in three:
+                before = dijkstra(graph, directed=False, indices=island, return_predecessors=True)[1]
+                full = np.full(self._graph.shape[0], -1, np.int64)
+                full[near] = np.where(before >= 0, near[before], -1)
+                arms.append(self._corners(self._steps.trail(int(near[at]), full)))
+            found.append(Route(tuple(names), tuple(arms), sum_price))
+        return found
+
+    def _corners(self, way: Sequence[int]) -> Indices:
+        rows, columns = np.divmod(np.array(way), self._grid.shape[1])
+        return np.stack([self._grid.xs[columns], self._grid.ys[rows]], axis=1)
+
+    def _island(self, position: int) -> int:
+        return int(self._grid.island.flat[position])
+
+    def _name(self, node: int) -> int:
+        """The island of a node."""
+        return int(self._steps.names[node - len(self._steps.alias)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +193,7 @@ class _Steps:
     price: Field
     alias: Indices
     islands: Indices
+    names: Labels
     grid: BrushGrid
 
     @staticmethod
@@ -135,7 +207,7 @@ class _Steps:
         alias = np.where(held > 0, at.size + np.searchsorted(names, held), at.ravel())
         apart = alias[start] != alias[end]
         islands = at.size + np.arange(len(names))
-        return _Steps(start[apart], end[apart], price[apart], alias, islands, grid)
+        return _Steps(start[apart], end[apart], price[apart], alias, islands, names, grid)
 
     def graph(self) -> Any:
         """Sparse matrix of the cheapest move between any two nodes."""
@@ -148,7 +220,7 @@ class _Steps:
         keep = order[np.unique(low[order] * nodes + high[order], return_index=True)[1]]
         return csr_array((self.price[keep], (low[keep], high[keep])), shape=(nodes, nodes))
 
-    def trail(self, position: int, before: NDArray[np.int32]) -> list[int]:
+    def trail(self, position: int, before: NDArray[Any]) -> list[int]:
         """Positions from one back to the island that reached it, the first inside the island included."""
         trail = [position]
         while self.alias[trail[-1]] == trail[-1]:

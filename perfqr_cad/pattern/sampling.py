@@ -63,11 +63,11 @@ def brightness(lattice: Lattice) -> Field:
 
 
 def sampled(cells: Cells, per_module: int) -> Field:
-    """(n, n) weighted solid part of the centre of each module of (n·u, n·u) cells."""
+    """(rows, columns) weighted solid part of the centre of each module of a block of whole modules."""
     weights = sample_weights(per_module)
-    n = cells.shape[0] // per_module
-    along = cells.reshape(n * per_module, n, per_module) @ weights
-    return np.einsum("ruc,u->rc", along.reshape(n, per_module, n), weights)
+    rows, columns = cells.shape[0] // per_module, cells.shape[1] // per_module
+    along = cells.reshape(rows * per_module, columns, per_module) @ weights
+    return np.einsum("ruc,u->rc", along.reshape(rows, per_module, columns), weights)
 
 
 def blurred(lattice: Lattice) -> Field:

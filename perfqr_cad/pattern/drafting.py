@@ -30,9 +30,9 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     _, islands = label(asked.solid)
     draft = tie_rings(draft, symbol, spec)
     draft = link_corners(draft, spec.web_mm)
-    draft = join(draft, symbol, spec.web_mm, spec.tone == "inverted")
+    draft, optimality = join(draft, symbol, spec.web_mm, spec.tone == "inverted", spec.time_limit_s)
     draft = link_corners(draft, spec.web_mm)
-    return finish(draft, Job(symbol, spec, islands, reason))
+    return finish(draft, Job(symbol, spec, islands, reason, optimality))
 
 
 def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float) -> Lattice:

@@ -1,0 +1,204 @@
+"""The cheapest set of links that joins all islands, with a proof (HiGHS).
+
+A link joins two islands, or three through a junction, at a price; some links cost codewords, which are paid once
+however many links share them. This is the minimum spanning tree problem in a hypergraph with fixed charges:
+
+    minimise    Σ price·x + CODEWORD_PRICE·Σ y
+    subject to  Σ (parts that F touches − 1)·x_F ≥ parts − 1    for partitions of the islands
+                x_F ≤ y_c                                       for each codeword c that F loses
+
+The partitions that Kruskal's algorithm passes through make the linear relaxation exact for plain trees; the pieces
+of a solution that is not connected give the next inequality, until it is.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from perfqr_cad.pattern.pattern import Optimality
+
+CODEWORD_PRICE = 1000.0  # expected misread modules: more than all links of a pattern together can cost
+MOST_PARTITIONS = 60  # of Kruskal's; the others come back as cuts where they are needed
+PRICE_TOL = 1e-7  # HiGHS's own tolerance on a constraint
+
+
+@dataclass(frozen=True)
+class Link:
+    """A way to join islands: which, at what price, and which codewords it turns wrong."""
+
+    islands: tuple[int, ...]
+    price: float
+    codewords: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Links that are harmless alone but together turn codewords wrong."""
+
+    links: tuple[int, ...]
+    codewords: frozenset[int]
+
+
+def kruskal(links: Sequence[Link]) -> tuple[list[int], list[dict[int, int]]]:
+    """Links of a spanning tree by rising price, and the partition (island to part) before each price level."""
+    forest = _Forest(i for link in links for i in link.islands)
+    chosen: list[int] = []
+    partitions = [forest.partition()]
+    level = None
+    for k in sorted(range(len(links)), key=lambda k: _full_price(links[k])):
+        if not forest.parts_of(links[k].islands) > 1:
+            continue
+        if level is not None and _full_price(links[k]) > level + PRICE_TOL:
+            partitions.append(forest.partition())
+        level = _full_price(links[k])
+        forest.join(links[k].islands)
+        chosen.append(k)
+    return chosen, partitions
+
+
+def cheapest(
+    links: Sequence[Link], conflicts: Sequence[Conflict], time_limit_s: float
+) -> tuple[list[int], Optimality]:
+    """Indices of the chosen links, and what was proved about them within the time limit."""
+    began = time.perf_counter()
+    chosen, partitions = kruskal(links)
+    plain = not conflicts and all(len(link.islands) == 2 and not link.codewords for link in links)
+    if plain:  # Kruskal's tree is the optimum
+        price = sum(links[k].price for k in chosen)
+        return chosen, Optimality(price, price, 0.0, time.perf_counter() - began)
+    model = _Model(links, conflicts, partitions)
+    bound = 0.0
+    while (left_s := time_limit_s - (time.perf_counter() - began)) > 0:
+        answer = model.solve(left_s)
+        if answer.mip_dual_bound is not None and np.isfinite(answer.mip_dual_bound):
+            bound = max(bound, float(answer.mip_dual_bound))
+        if answer.x is None:
+            break
+        chosen = [k for k in range(len(links)) if answer.x[k] > 0.5]
+        forest = _Forest(i for link in links for i in link.islands)
+        for k in chosen:
+            forest.join(links[k].islands)
+        if forest.count == 1:
+            break
+        model.add_partition(forest.partition())
+        chosen = _completed(links, chosen)
+    price = cost(links, conflicts, chosen)
+    gap = (price - bound) / price if price > 0 else 0.0
+    return chosen, Optimality(price, bound, max(0.0, gap), time.perf_counter() - began)
+
+
+def cost(links: Sequence[Link], conflicts: Sequence[Conflict], chosen: Sequence[int]) -> float:
+    """The price of a choice of links, each lost codeword counted once."""
+    taken = set(chosen)
+    lost = set[int]().union(*(links[k].codewords for k in chosen))
+    for conflict in conflicts:
+        if taken.issuperset(conflict.links):
+            lost |= conflict.codewords
+    return sum(links[k].price for k in chosen) + CODEWORD_PRICE * len(lost)
+
+
+def _full_price(link: Link) -> float:
+    return link.price + CODEWORD_PRICE * len(link.codewords)
+
+
+def _completed(links: Sequence[Link], chosen: Sequence[int]) -> list[int]:
+    """A choice that leaves pieces, joined by the cheapest links."""
+    forest = _Forest(i for link in links for i in link.islands)
+    for k in chosen:
+        forest.join(links[k].islands)
+    more = list(chosen)
+    for k in sorted(range(len(links)), key=lambda k: _full_price(links[k])):
+        if forest.parts_of(links[k].islands) > 1:
+            forest.join(links[k].islands)
+            more.append(k)
+    return more
+
+
+class _Model:
+    """The integer programme; inequalities are added as solutions fall apart."""
+
+    def __init__(
+        self, links: Sequence[Link], conflicts: Sequence[Conflict], partitions: Sequence[dict[int, int]]
+    ) -> None:
+        codewords = set[int]().union(*(link.codewords for link in links), *(c.codewords for c in conflicts))
+        self._links = links
+        self._codeword = {c: len(links) + k for k, c in enumerate(sorted(codewords))}
+        self._rows: list[dict[int, float]] = []
+        self._lower: list[float] = []
+        for k, link in enumerate(links):
+            for c in sorted(link.codewords):
+                self._add({self._codeword[c]: 1.0, k: -1.0}, 0.0)
+        for conflict in conflicts:
+            for c in sorted(conflict.codewords):
+                row = {self._codeword[c]: 1.0} | dict.fromkeys(conflict.links, -1.0)
+                self._add(row, 1.0 - len(conflict.links))
+        for k in sorted({round(k) for k in np.linspace(0, len(partitions) - 1, MOST_PARTITIONS)}):
+            self.add_partition(partitions[k])
+
+    def add_partition(self, part: dict[int, int]) -> None:
+        """The links must hold the parts together."""
+        row: dict[int, float] = {}
+        for k, link in enumerate(self._links):
+            touched = len({part[i] for i in link.islands})
+            if touched > 1:
+                row[k] = touched - 1.0
+        self._add(row, len(set(part.values())) - 1.0)
+
+    def _add(self, row: dict[int, float], lower: float) -> None:
+        self._rows.append(row)
+        self._lower.append(lower)
+
+    def solve(self, time_limit_s: float) -> Any:
+        from scipy.optimize import Bounds, LinearConstraint, milp
+        from scipy.sparse import csr_array
+
+        counts = [len(row) for row in self._rows]
+        matrix = csr_array(
+            (
+                np.array([v for row in self._rows for v in row.values()]),
+                np.array([k for row in self._rows for k in row], np.int64),
+                np.concatenate([[0], np.cumsum(counts)]),
+            ),
+            shape=(len(self._rows), len(self._links) + len(self._codeword)),
+        )
+        price = [link.price for link in self._links] + [CODEWORD_PRICE] * len(self._codeword)
+        return milp(
+            np.array(price),
+            integrality=np.ones(len(price)),
+            bounds=Bounds(0, 1),
+            constraints=LinearConstraint(matrix, np.array(self._lower), np.inf),
+            options={"time_limit": time_limit_s, "mip_rel_gap": 0.0},
+        )
+
+
+class _Forest:
+    """Disjoint sets of islands."""
+
+    def __init__(self, islands: Iterable[int]) -> None:
+        self._leader = {i: i for i in islands}
+        self.count = len(self._leader)
+
+    def find(self, island: int) -> int:
+        leader = self._leader
+        while leader[island] != island:
+            leader[island] = island = leader[leader[island]]
+        return island
+
+    def parts_of(self, islands: Sequence[int]) -> int:
+        return len({self.find(i) for i in islands})
+
+    def join(self, islands: Sequence[int]) -> None:
+        first = self.find(islands[0])
+        for other in islands[1:]:
+            leader = self.find(other)
+            if leader != first:
+                self._leader[leader] = first
+                self.count -= 1
+
+    def partition(self) -> dict[int, int]:
+        return {i: self.find(i) for i in sorted(self._leader)}
