@@ -23,6 +23,7 @@ from . import occ
 from .occ import SOLID, explore
 from .shape import Colour, Solid
 from .step_document import Body, Document
+from .step_tessellation import tessellated
 from .step_text import Part21
 from .step_topology import Topology
 
@@ -46,7 +47,10 @@ class StepPart:
 
 
 def write_step(solid: Solid, path: str | Path, *, product: str | None = None) -> None:
-    """Write a solid and its extras as AP242. Raises `KernelError` where there is no shape to write."""
+    """Write a solid and its extras as AP242: exact faces, or the triangles of a body that has no others.
+
+    Raises `KernelError` for a body with neither.
+    """
     bodies = (solid, *solid.extras)
     part = Part21()
     document, topology = Document(part), Topology(part)
@@ -54,8 +58,9 @@ def write_step(solid: Solid, path: str | Path, *, product: str | None = None) ->
     with occ.kernel("writing STEP", "rebuild the faces of other kinds as B-spline surfaces"):
         for body in bodies:
             if body.shape is None:
-                raise KernelError(f"{body.name} has triangles only, STEP needs an exact shape: write STL or 3MF")
-            written.append(Body(topology.solid(body.shape, body.name), body.name, body.colour))
+                written.append(tessellated(part, body))
+            else:
+                written.append(Body(topology.solid(body.shape, body.name), body.name, body.colour))
     title = product or solid.name
     document.write(written, title)
     Path(path).write_text(part.file(f"{title}.step", title), "ascii")

@@ -12,11 +12,12 @@ UNCERTAINTY = "1.E-06"  # mm: vertices and edges meet within it
 
 @dataclass(frozen=True)
 class Body:
-    """A solid already written: its entity, name and sRGB colour."""
+    """A solid already written: its entity, name, sRGB colour, and the representation that holds it."""
 
     entity: int
     name: str
     colour: tuple[float, float, float]
+    representation: str = "ADVANCED_BREP_SHAPE_REPRESENTATION"
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Document:
 
     def _part(self, body: Body, product: str) -> _Product:
         shape = self._add(
-            f"ADVANCED_BREP_SHAPE_REPRESENTATION({text(body.name)},(#{self._root},#{body.entity}),#{self._space})"
+            f"{body.representation}({text(body.name)},(#{self._root},#{body.entity}),#{self._space})"
         )
         return self._product(product, shape)
 
