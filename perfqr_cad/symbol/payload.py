@@ -23,14 +23,13 @@ _ECI: Final = 7
 _FNC1_SECOND: Final = 9
 _MODES: Final[dict[int, Mode]] = {1: "numeric", 2: "alphanumeric", 4: "byte", 8: "kanji", 13: "hanzi"}
 _GB2312_SUBSET: Final = 1
-_BINARY_ECI: Final = 899
 
-# ECI assignment number (AIM ECI register) to Python codec.
+# ECI assignment number (AIM ECI register) to Python codec; others, such as 899 (binary), are no text.
 _CODECS: Final[dict[int, str]] = {
     0: "cp437", 1: "latin-1", 2: "cp437", 3: "latin-1",
     **{number: f"iso8859-{number - 2}" for number in (*range(4, 14), *range(15, 19))},
     20: "shift_jis", 21: "cp1250", 22: "cp1251", 23: "cp1252", 24: "cp1256", 25: "utf-16-be", 26: "utf-8",
-    27: "ascii", 28: "big5", 29: "gb18030", 30: "euc_kr", 31: "gbk", 32: "gb18030", 33: "utf-16-le",
+    27: "ascii", 28: "big5", 29: "gb18030", 30: "cp949", 31: "gbk", 32: "gb18030", 33: "utf-16-le",
     34: "utf-32-be", 35: "utf-32-le", 170: "ascii",
 }  # fmt: skip
 
@@ -218,14 +217,15 @@ def _text(segments: list[Segment]) -> str | None:
     text = ""
     for codec, run in groupby(segments, key=lambda part: _codec(part, guess)):
         data = b"".join(part.data for part in run)  # a character may span two segments
-        try:
-            text += data.decode(codec or "")
-        except (UnicodeDecodeError, LookupError):
+        part = None if codec is None else _decoded(data, codec)
+        if part is None:
             return None
+        text += part
     return text
 
 
 def _codec(segment: Segment, guess: str | None) -> str | None:
+    """Codec of a segment, or None when it is no text."""
     if segment.mode in ("numeric", "alphanumeric"):
         return "ascii"
     if segment.mode == "kanji":
@@ -235,32 +235,34 @@ def _codec(segment: Segment, guess: str | None) -> str | None:
     return guess if segment.eci is None else _CODECS.get(segment.eci)
 
 
+def _decoded(data: bytes, codec: str) -> str | None:
+    """Text of bytes, or None. Shift-JIS of Windows (cp932) has characters that the standard's lacks."""
+    for name in ("shift_jis", "cp932") if codec == "shift_jis" else (codec,):
+        try:
+            return data.decode(name)
+        except UnicodeDecodeError:
+            continue
+    return None
+
+
 def guess_encoding(data: bytes) -> str | None:
     """Codec of bytes that carry no ECI: UTF-8 if valid, then Shift-JIS if it looks so, Latin-1, or None.
 
     The standard's default is Latin-1, yet most encoders write UTF-8 and, in Japan, Shift-JIS. As in ZXing,
-    Shift-JIS needs either three two-byte characters or three katakana in a row, or bytes that Latin-1
-    lacks; control characters other than tab, line breaks and FS-US mean binary data.
+    Shift-JIS needs either three characters beyond ASCII in a row or bytes that Latin-1 lacks. Control
+    characters other than tab, line breaks and FS-US mean binary data.
     """
-    if _decodes(data, "utf-8"):
+    if _decoded(data, "utf-8") is not None:
         return "utf-8"
     if any(byte < 0x20 and byte not in b"\t\n\r\x1c\x1d\x1e\x1f" for byte in data):
         return None
     latin = not any(0x7F <= byte < 0xA0 for byte in data)
-    if _decodes(data, "shift_jis") and (not latin or _longest_japanese_run(data) >= 3):
+    japanese = _decoded(data, "shift_jis")
+    if japanese is not None and (not latin or _longest_run_beyond_ascii(japanese) >= 3):
         return "shift_jis"
     return "latin-1" if latin else None
 
 
-def _decodes(data: bytes, codec: str) -> bool:
-    try:
-        data.decode(codec)
-    except UnicodeDecodeError:
-        return False
-    return True
-
-
-def _longest_japanese_run(data: bytes) -> int:
-    """Most consecutive characters of Shift-JIS text that are not ASCII."""
-    runs = groupby(data.decode("shift_jis"), key=str.isascii)
-    return max((sum(1 for _ in run) for ascii_run, run in runs if not ascii_run), default=0)
+def _longest_run_beyond_ascii(text: str) -> int:
+    runs = groupby(text, key=str.isascii)
+    return max((sum(1 for _ in run) for is_ascii, run in runs if not is_ascii), default=0)

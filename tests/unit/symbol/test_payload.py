@@ -124,6 +124,13 @@ def test_guessed_encoding(data: bytes, codec: str | None) -> None:
     assert guess_encoding(data) == codec
 
 
+def test_kanji_of_windows_are_read() -> None:
+    """① is in row 13, which cp932 has and JIS X 0208 leaves empty."""
+    high, low = divmod(0x8740 - 0x8140, 0x100)
+    stream = f"1000{1:08b}{high * 0xC0 + low:013b}0000"
+    assert parse(int(stream.ljust(32, "0"), 2).to_bytes(4, "big"), 1).text == "①"
+
+
 def test_a_character_may_span_two_segments() -> None:
     data = "é".encode()
     bits = "".join(f"0100{1:08b}{byte:08b}" for byte in data) + "0000"
