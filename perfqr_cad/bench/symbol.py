@@ -45,8 +45,8 @@ def _repair() -> Table:
         ("symbol", "codewords a block", "r", "plain", "with shades", "with shades, of r"),
         tuple(rows),
         (
-            f"most at which {TRIALS} seeded trials all came back right; one to eight bits of each codeword wrong,",
-            f"known by a log-likelihood of {FAINT} against 1 elsewhere",
+            f"most at which {TRIALS} seeded trials all came back right; one to eight bits of each codeword",
+            f"are wrong, known by a log-likelihood of {FAINT} against 1 elsewhere",
         ),
     )
 
