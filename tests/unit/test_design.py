@@ -1,0 +1,100 @@
+"""The pipeline as a Python user meets it."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import pytest
+
+import perfqr_cad
+from perfqr_cad import DesignError, Request, make, progress
+from perfqr_cad.design import Design, _require_readable
+from perfqr_cad.scan import DecoderResult, ScanReport
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    return make(text="HELLO 123", size_mm=40)
+
+
+def digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def test_the_certificate_agrees_with_the_design(design: Design) -> None:
+    certificate = design.certificate()
+    assert certificate["payload"] == "HELLO 123"
+    assert certificate["symbol"] == {
+        "version": 1,
+        "level": "M",
+        "mask": design.symbol.mask,
+        "modules": 21,
+    }
+    assert certificate["connectivity"]["components"] == 1
+    assert len(certificate["connectivity"]["bridges"]) == len(design.pattern.bridges)
+    assert certificate["solid"]["module_mm"] == pytest.approx(40 / 29)
+    assert certificate["solid"]["volume_mm3"] == pytest.approx(design.pattern.region.area * 1.6, rel=1e-9)
+    assert certificate["structure"]["safety_factor"] > 1
+    assert certificate["files"] == []
+
+
+def test_the_summary_names_payload_and_readers(design: Design) -> None:
+    summary = design.summary()
+    assert "HELLO 123" in summary
+    assert all(reader in summary for reader in design.scan.readers)
+
+
+def test_the_same_request_gives_the_same_bytes(design: Design, tmp_path: Path) -> None:
+    again = make(text="HELLO 123", size_mm=40)
+    for name in ("part.step", "part.stl", "part.svg"):
+        design.write(tmp_path / name)
+        first = digest(tmp_path / name)
+        again.write(tmp_path / name)
+        assert digest(tmp_path / name) == first
+
+
+def test_steps_are_announced() -> None:
+    steps: list[str] = []
+    with progress.listening(steps.append):
+        make(text="HELLO 123", size_mm=40)
+    assert [s for s in steps if s in ("symbol", "pattern", "structure", "solid")] == [
+        "symbol",
+        "pattern",
+        "structure",
+        "solid",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"text": "a", "image": "b.png"}, "either"),
+        ({}, "either"),
+        ({"text": ""}, "empty"),
+        ({"text": "a", "thickness_mm": float("nan")}, "finite"),
+        ({"text": "a", "thickness_mm": -1.0}, "outside"),
+        ({"text": "a", "version": 41}, "outside"),
+    ],
+)
+def test_a_request_that_cannot_be_meant(settings: dict, message: str) -> None:
+    with pytest.raises(DesignError, match=message):
+        Request(**settings)
+
+
+def test_an_unknown_setting_is_named() -> None:
+    with pytest.raises(DesignError, match="no setting 'size'"):
+        make(text="a", size=60)
+
+
+def test_a_part_that_nobody_reads_is_an_error() -> None:
+    blind = DecoderResult("zxing-cpp", (0.0,), (0.0,), (1.0,))
+    with pytest.raises(DesignError, match="none of 1 decoders"):
+        _require_readable(ScanReport({"zxing-cpp": blind}, {}))
+
+
+def test_the_public_face_is_complete() -> None:
+    for name in perfqr_cad.__all__:
+        assert getattr(perfqr_cad, name) is not None
+    with pytest.raises(AttributeError):
+        _ = perfqr_cad.nothing
