@@ -10,6 +10,8 @@ from .materials import MATERIALS, Material, material
 if TYPE_CHECKING:
     from .analysis import analyse, analyse_region
     from .field import StressField
+    from .reinforce import reinforce
+    from .reinforcement import Reinforcement
 
 __all__ = [
     "MATERIALS",
@@ -18,15 +20,23 @@ __all__ = [
     "Load",
     "Material",
     "Pressure",
+    "Reinforcement",
     "StressField",
     "Support",
     "Weight",
     "analyse",
     "analyse_region",
     "material",
+    "reinforce",
 ]
 
-_HOME = {"analyse": "analysis", "analyse_region": "analysis", "StressField": "field"}
+_HOME = {
+    "analyse": "analysis",
+    "analyse_region": "analysis",
+    "reinforce": "reinforce",
+    "Reinforcement": "reinforcement",
+    "StressField": "field",
+}
 
 
 def __getattr__(name: str) -> Any:

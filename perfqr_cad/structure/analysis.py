@@ -15,14 +15,15 @@ from perfqr_cad.structure.gmsher import triangulate
 from perfqr_cad.structure.loads import Load, Support, Weight
 from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.materials import material as material_named
-from perfqr_cad.structure.measure import disc_average, von_mises
+from perfqr_cad.structure.measure import DiscAverage, von_mises
 from perfqr_cad.structure.model import Model, build_model, forces_of
 from perfqr_cad.structure.solvers import factorise
 from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
 from perfqr_cad.surface import Placement
 from perfqr_cad.units import grams
 
-MESH_SIZE_MODULES = 0.5  # largest element edge, in modules: see docs/strength.md, refinement
+MESH_SIZE_MODULES = 2 / 3  # largest element edge, in modules: see docs/strength.md, refinement
+CORNER_SIZE_NOZZLES = 1.0  # element edges at re-entrant corners
 OUTLINE_TOLERANCE_NOZZLES = 0.05  # the outline may move by this much in the model
 DEFAULT_NOZZLE_MM = 0.4
 LINEAR_LIMIT_THICKNESSES = 0.5  # deflection above which stretching, which a linear model lacks, carries load
@@ -97,7 +98,7 @@ def analyse_region(
         support,
         nozzle_mm=nozzle_mm,
         mesh_size_mm=mesh_size_mm,
-        bends_only=_bends_only(load),
+        bends=bends_only(load),
     )
     factor = factorise(model.lower(), solver)
     forces = forces_of(model, load, factor)
@@ -113,11 +114,11 @@ def prepare(
     *,
     nozzle_mm: float,
     mesh_size_mm: float,
-    bends_only: bool = True,
+    bends: bool = True,
 ) -> Model:
     """Clean the region, mesh it and build its element matrices.
 
-    A flat part is a plate of 3 unknowns a node as long as its load `bends_only`; else it is a shell.
+    A flat part is a plate of 3 unknowns a node as long as its load only `bends` it; else it is a shell.
     """
     for label, value in (
         ("thickness", placement.thickness_mm),
@@ -127,14 +128,12 @@ def prepare(
         if not (math.isfinite(value) and value > 0.0):
             raise AnalysisError(f"{label} is {value} mm; it must be a positive number")
     domain = clean(polygon, OUTLINE_TOLERANCE_NOZZLES * nozzle_mm)
-    mesh = triangulate(domain, mesh_size_mm)
+    mesh = triangulate(domain, mesh_size_mm, CORNER_SIZE_NOZZLES * nozzle_mm)
     held = support if isinstance(support, Support) else Support(support)  # type: ignore[arg-type]
-    return build_model(
-        mesh, domain, placement, material, held, mesh_size_mm, placement.is_flat and bends_only
-    )
+    return build_model(mesh, domain, placement, material, held, mesh_size_mm, placement.is_flat and bends)
 
 
-def _bends_only(load: Load) -> bool:
+def bends_only(load: Load) -> bool:
     """Whether a load acts along the normal of a flat part."""
     return not (isinstance(load, Weight) and load.direction is not None)
 
@@ -144,8 +143,8 @@ def field_of(
     displacement: Floats,
     forces: Floats,
     *,
+    average: DiscAverage,
     yield_mpa: float | None,
-    nozzle_mm: float,
     solver: str,
 ) -> StressField:
     """Stress, deflection and reactions of a solved model.
@@ -154,7 +153,7 @@ def field_of(
         AnalysisError: the reactions do not balance the load: the part is free to move.
     """
     stress = model.corner_stresses(displacement)
-    averaged = von_mises(disc_average(model.mesh, nozzle_mm)(stress)).max(axis=1)
+    averaged = von_mises(average(stress)).max(axis=1)
     peak = int(np.argmax(averaged))
     deflection = np.einsum("nc,nc->n", model.translations(displacement), model.frames[:, 2])
     lowest = int(np.argmax(np.abs(deflection)))
@@ -170,7 +169,7 @@ def field_of(
         max_stress_mpa=float(averaged[peak]),
         max_stress_at_mm=_pair(model.mesh.nodes[peak]),
         sharp_peak_mpa=float(von_mises(stress).max()),
-        disc_width_mm=nozzle_mm,
+        disc_width_mm=average.width_mm,
         max_deflection_mm=float(abs(deflection[lowest])),
         max_deflection_at_mm=_pair(model.mesh.nodes[lowest]),
         yield_mpa=model.material.yield_mpa if yield_mpa is None else yield_mpa,

@@ -11,13 +11,13 @@ import threading
 from collections.abc import Generator
 from contextlib import contextmanager
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely.geometry import Polygon
+from shapely.geometry import LinearRing, Polygon
 
 from perfqr_cad.errors import AnalysisError
+from perfqr_cad.structure.seeding import seed
 from perfqr_cad.structure.t6 import Floats, Ints, Mesh, quadratic
 
 _LOCK = threading.Lock()
@@ -53,8 +53,10 @@ def _session(options: dict[str, float]) -> Generator[ModuleType]:
                 gmsh.finalize()
 
 
-def triangulate(polygon: Polygon, size_mm: float) -> Mesh:
+def triangulate(polygon: Polygon, size_mm: float, corner_mm: float | None = None) -> Mesh:
     """A six-node triangle mesh of a clean polygon, edges up to about `size_mm`, conforming to its outline.
+
+    Re-entrant corners, where stress is singular, get edges of `corner_mm`.
 
     Raises:
         AnalysisError: gmsh failed, or the mesh does not cover the polygon.
@@ -64,11 +66,14 @@ def triangulate(polygon: Polygon, size_mm: float) -> Mesh:
         "Mesh.Algorithm": _DELAUNAY,
         "Mesh.MeshSizeMax": size_mm,
         "Mesh.MeshSizeMin": 0.0,
-        "Mesh.MeshSizeFromPoints": 1,
+        "Mesh.MeshSizeFromPoints": 0,
         "Mesh.MeshSizeExtendFromBoundary": 1,
     }
     with _session(options) as gmsh:
-        loops = [_curve_loop(gmsh, ring, size_mm) for ring in (polygon.exterior, *polygon.interiors)]
+        loops = [
+            _curve_loop(gmsh, ring, size_mm, corner_mm or size_mm)
+            for ring in (polygon.exterior, *polygon.interiors)
+        ]
         gmsh.model.geo.addPlaneSurface(loops)
         gmsh.model.geo.synchronize()
         gmsh.model.mesh.generate(2)
@@ -82,10 +87,13 @@ def triangulate(polygon: Polygon, size_mm: float) -> Mesh:
     return mesh
 
 
-def _curve_loop(gmsh: ModuleType, ring: Any, size_mm: float) -> int:
+def _curve_loop(gmsh: ModuleType, ring: LinearRing, size_mm: float, corner_mm: float) -> int:
     geo = gmsh.model.geo
-    points = [geo.addPoint(x, y, 0.0, size_mm) for x, y in ring.coords[:-1]]
+    outline = seed(np.asarray(ring.coords)[:-1], size_mm, corner_mm)
+    points = [geo.addPoint(x, y, 0.0, size_mm) for x, y in outline.tolist()]
     lines = [geo.addLine(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
+    for line in lines:
+        geo.mesh.setTransfiniteCurve(line, 2)
     return geo.addCurveLoop(lines)
 
 

@@ -18,7 +18,7 @@ from perfqr_cad.structure.measure import von_mises
 from perfqr_cad.structure.plate import Section
 from perfqr_cad.structure.solvers import Factor
 from perfqr_cad.structure.supports import held_nodes
-from perfqr_cad.structure.t6 import SIX_POINTS, SIX_WEIGHTS, Floats, Mesh
+from perfqr_cad.structure.t6 import SIX_POINTS, SIX_WEIGHTS, Floats, Ints, Mesh
 from perfqr_cad.surface import Placement
 
 KAPPA = 1.0  # shear correction: see docs/strength.md; 5/6 misses the solid by 3-7 % on perforated plates
@@ -79,6 +79,12 @@ class Model:
         if self.flat:
             return plate.stresses(self.mesh, displacement, self.section)
         return shell.stresses(self.positions, self.frames, self.mesh.elements, displacement, self.section)
+
+    def alone(self, elements: Ints) -> Model:
+        """Some elements cut loose from each other: six nodes to each, and a motion of one moves no other."""
+        nodes = self.mesh.elements[elements].ravel()
+        mesh = Mesh(self.mesh.nodes[nodes], np.arange(len(nodes)).reshape(-1, 6), len(nodes))
+        return replace(self, mesh=mesh, positions=self.positions[nodes], frames=self.frames[nodes])
 
     def translations(self, vector: Floats) -> Floats:
         """Space components (n, 3) of the translations or forces in a vector of unknowns."""

@@ -11,7 +11,7 @@ from perfqr_cad.structure.assembly import Flags
 from perfqr_cad.structure.loads import CORNER_PAD_FRACTION, Hold, Support
 from perfqr_cad.structure.t6 import Ints, Mesh
 
-ON_HULL_FRACTION = 1e-4  # of the part's size: an outline this close to the convex hull lies on it
+ON_HULL_FRACTION = 2e-3  # of the part's size: an outline this close to the convex hull lies on it
 
 
 def held_nodes(mesh: Mesh, polygon: Polygon, support: Support) -> Flags:

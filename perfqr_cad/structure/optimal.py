@@ -1,0 +1,223 @@
+"""The better choice of bridges: most stress removed per unit of decoding margin spent.
+
+One adjoint solve ranks every bar; the best few are then compared exactly through Woodbury's identity, where
+also their joint effect is a matter of small matrices, so bars that would do the same work are not laid twice.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+import shapely
+from numpy.typing import NDArray
+
+from perfqr_cad.errors import DesignError
+from perfqr_cad.structure.bars import couplings
+from perfqr_cad.structure.candidates import Candidates, lattice_candidates
+from perfqr_cad.structure.measure import von_mises
+from perfqr_cad.structure.reanalysis import Reanalysis, hot_places, stress_operator
+from perfqr_cad.structure.t6 import Floats, Ints
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import Bridge, Pattern
+
+WIDTHS_IN_WEBS = (1.0, 1.5)
+NORM = 12  # exponent of the mean that stands for the largest stress while bars are ranked
+SHORT_LIST = 16  # bars compared exactly in a round
+PROBES = 8  # bars whose exact flexibility stands for all in the ranking
+TENSOR = 5  # components of a stress tensor here
+PER_ROUND = 8  # bars laid in a round at most
+MOST_ROUNDS = 12  # between two conforming meshes
+AIM = 0.97  # of the limit: bars stand on the old mesh, the conforming one may say a little more
+LEAST_GAIN = 1e-3  # of the stress: what a bar must take off to be laid, and to stay
+LENGTH_PRICE = 0.05  # margin that a module's length of bar costs even along module edges
+CENTRE_PRICE = 0.2  # margin that a fully lightened module centre costs besides its codeword
+
+
+@dataclass(frozen=True)
+class _Round:
+    """The exact small model of a short list: what any subset of it does at the hot places."""
+
+    stress: Floats  # (rows,) tensors now
+    relief: Floats  # (rows, modes): tensors per unit of mode force
+    flexibility: Floats  # (modes, modes)
+    strain: Floats  # (modes,) what each mode feels now
+    modes: int
+
+    def tensors(self, chosen: list[int]) -> Floats:
+        """Tensors (places, layers, 5) with these bars laid."""
+        if not chosen:
+            return self.stress
+        columns = (np.array(chosen)[:, None] * self.modes + np.arange(self.modes)).ravel()
+        small = np.eye(len(columns)) + self.flexibility[np.ix_(columns, columns)]
+        return self.stress - self.relief[:, columns] @ np.linalg.solve(small, self.strain[columns])
+
+
+class OptimalChoice:
+    """Chooses bridges by exact stress relief per decoding margin."""
+
+    def __init__(self, limit_mpa: float) -> None:
+        self._limit = limit_mpa
+        self._refused: set[tuple[float, ...]] = set()
+        self._host: Floats | None = None
+        self.removed = 0
+
+    def lay(self, pattern: Pattern, analysis: Reanalysis) -> tuple[Pattern, list[Bridge], list[float]]:
+        """Bridges until the re-analysed stress is within the limit: pattern, bridges, stress by round."""
+        web = pattern.spec.web_mm
+        bars = lattice_candidates(pattern, tuple(share * web for share in WIDTHS_IN_WEBS))
+        if not len(bars):
+            return pattern, [], []
+        coupling = couplings(analysis.model, bars)
+        open_rows = np.array([self._key(bars, k) not in self._refused for k in range(len(bars))])
+        laid: list[tuple[int, Bridge]] = []
+        stresses: list[float] = []
+        bridged = pattern
+        for _ in range(MOST_ROUNDS):
+            chosen = self._round(analysis, bars, coupling, open_rows, pattern.module_mm)
+            if not chosen:
+                break
+            for row in chosen:
+                bridge = bars.bridge(row, float(_price(bars, pattern.module_mm)[row]))
+                open_rows[row] = False
+                try:
+                    bridged = bridged.with_bridge(bridge)
+                except DesignError:  # breaks a rule of the pattern
+                    self._refused.add(self._key(bars, row))
+                    continue
+                open_rows &= ~_in_the_way(bars, row, pattern.spec.gap_mm)
+                laid.append((row, bridge))
+                analysis.add(_columns(coupling, [row], len(bars)))
+            stresses.append(float(analysis.measure().max()))
+            if stresses[-1] <= AIM * self._limit:
+                break
+        return bridged, [bridge for _, bridge in laid], stresses
+
+    def _round(
+        self,
+        analysis: Reanalysis,
+        bars: Candidates,
+        coupling: sp.csc_matrix,
+        open_rows: NDArray[np.bool_],
+        module_mm: float,
+    ) -> list[int]:
+        """Bars worth laying together now, best first."""
+        measure = analysis.measure()
+        if measure.max() <= AIM * self._limit or not open_rows.any():
+            return []
+        hot = hot_places(measure)
+        operator = stress_operator(analysis.model, analysis.average, hot)
+        now = operator @ analysis.displacement
+        adjoint = analysis.solve(np.where(analysis.model.fixed, 0.0, operator.T @ _gradient(now, len(hot))))
+        price = _price(bars, module_mm)
+        short = self._short_list(analysis, coupling, adjoint, price, open_rows)
+        if not len(short):
+            return []
+        columns = _columns(coupling, short.tolist(), len(bars))
+        flexible = analysis.solve(columns.toarray())
+        modes = coupling.shape[1] // len(bars)
+        exact = _Round(
+            now, operator @ flexible, columns.T @ flexible, columns.T @ analysis.displacement, modes
+        )
+        return [int(short[k]) for k in self._greedy(exact, price[short], len(hot))]
+
+    def _short_list(
+        self,
+        analysis: Reanalysis,
+        coupling: sp.csc_matrix,
+        adjoint: Floats,
+        price: Floats,
+        open_rows: NDArray[np.bool_],
+    ) -> Ints:
+        """The bars that promise most by first-order sensitivity per price."""
+        modes = coupling.shape[1] // len(price)
+        strain = (coupling.T @ analysis.displacement).reshape(-1, modes)
+        wish = (coupling.T @ adjoint).reshape(-1, modes)
+        # A bar far stiffer than the part takes what the part yields, not what its own stiffness asks for.
+        host = self._host_flexibility(analysis, coupling, open_rows, modes)
+        gain = (strain * wish / (1.0 + host)).sum(axis=1) / price
+        gain[~open_rows] = -np.inf
+        order = np.argsort(-gain, kind="stable")[:SHORT_LIST]
+        return order[gain[order] > 0.0]
+
+    def _host_flexibility(
+        self, analysis: Reanalysis, coupling: sp.csc_matrix, open_rows: NDArray[np.bool_], modes: int
+    ) -> Floats:
+        """Typical flexibility of the part under each mode of a bar, from an even sample; computed once."""
+        if self._host is None:
+            rows = np.flatnonzero(open_rows)
+            sample = rows[np.linspace(0, len(rows) - 1, min(PROBES, len(rows))).astype(int)]
+            columns = _columns(coupling, sample.tolist(), len(open_rows))
+            own = columns.multiply(analysis.solve(columns.toarray())).sum(axis=0)
+            self._host = np.median(np.asarray(own).reshape(-1, modes), axis=0)
+        return self._host
+
+    def _greedy(self, exact: _Round, price: Floats, places: int) -> list[int]:
+        """Positions in the short list, added one by one as long as they pay."""
+        chosen: list[int] = []
+        stress = _norm(exact.tensors([]), places)
+        while len(chosen) < PER_ROUND and stress > 0.0:
+            rest = [k for k in range(len(price)) if k not in chosen]
+            if not rest:
+                break
+            after = np.array([_norm(exact.tensors([*chosen, k]), places) for k in rest])
+            gain = (stress - after) / price[rest]
+            best = int(np.argmax(gain))
+            if stress - after[best] < LEAST_GAIN * stress:
+                break
+            chosen.append(rest[best])
+            stress = float(after[best])
+            if _largest(exact.tensors(chosen), places) <= AIM * self._limit:
+                break
+        return chosen
+
+    @staticmethod
+    def _key(bars: Candidates, row: int) -> tuple[float, ...]:
+        ends = np.round([*bars.start[row], *bars.end[row], bars.width_mm[row]], 3)
+        return tuple(float(x) for x in ends)
+
+
+def _price(bars: Candidates, module_mm: float) -> Floats:
+    """Decoding margin that each bar costs."""
+    return bars.loss.clip(0.0) + CENTRE_PRICE * bars.covered + LENGTH_PRICE * bars.length_mm / module_mm
+
+
+def _stresses(tensors: Floats, places: int) -> Floats:
+    return von_mises(tensors.reshape(places, -1, TENSOR))
+
+
+def _largest(tensors: Floats, places: int) -> float:
+    return float(_stresses(tensors, places).max())
+
+
+def _norm(tensors: Floats, places: int) -> float:
+    """A smooth stand-in for the largest stress: the NORM-mean over the hot places."""
+    stress = _stresses(tensors, places)
+    top = stress.max()
+    return float(top * np.mean((stress / top) ** NORM) ** (1.0 / NORM)) if top > 0.0 else 0.0
+
+
+def _gradient(tensors: Floats, places: int) -> Floats:
+    """Derivative of the NORM-mean's power sum by each tensor component, to scale only: it ranks."""
+    parts = tensors.reshape(places, -1, TENSOR)
+    stress = von_mises(parts)
+    weight = (stress / stress.max()) ** (NORM - 1) / np.maximum(stress, np.finfo(float).tiny)
+    xx, yy, xy, xz, yz = np.moveaxis(parts, -1, 0)
+    slope = np.stack([xx - 0.5 * yy, yy - 0.5 * xx, 3.0 * xy, 3.0 * xz, 3.0 * yz], axis=-1)
+    return (weight[..., None] * slope).ravel()
+
+
+def _columns(coupling: sp.csc_matrix, rows: list[int], count: int) -> sp.csc_matrix:
+    """The columns of C that belong to some bars."""
+    modes = coupling.shape[1] // count
+    return coupling[:, (np.array(rows)[:, None] * modes + np.arange(modes)).ravel()]
+
+
+def _in_the_way(bars: Candidates, row: int, gap_mm: float) -> NDArray[np.bool_]:
+    """The bars that would leave less than the least gap to one that is laid, or cross it."""
+    lines = shapely.linestrings(np.stack([bars.start, bars.end], axis=1))
+    clear = 0.5 * (bars.width_mm + bars.width_mm[row]) + gap_mm
+    return np.asarray(shapely.distance(lines, lines[row])) < clear

@@ -1,0 +1,106 @@
+"""Algorithm 1 as published: from the point of largest deformation to the visible point of least Eq. (5)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+import shapely
+from scipy.sparse.csgraph import dijkstra
+
+from perfqr_cad.errors import DesignError
+from perfqr_cad.structure.bars import couplings
+from perfqr_cad.structure.candidates import affordable, holes_of
+from perfqr_cad.structure.reanalysis import Reanalysis
+from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import Bridge, Pattern
+
+MOST_BRIDGES = 40  # between two conforming meshes
+ON_WALL_MM = 1e-6  # a sight line may graze the wall it starts from
+
+
+class PaperChoice:
+    """Chooses one bridge at a time by Eq. (5) with weight λ = `loss_weight`."""
+
+    removed = 0  # the paper keeps every bridge
+
+    def __init__(self, limit_mpa: float, loss_weight: float) -> None:
+        self._limit = limit_mpa
+        self._loss_weight = loss_weight
+
+    def lay(self, pattern: Pattern, analysis: Reanalysis) -> tuple[Pattern, list[Bridge], list[float]]:
+        """Bridges until the re-analysed stress is within the limit: pattern, bridges, stress after each."""
+        graph = _light_graph(analysis.model.mesh)
+        bridges: list[Bridge] = []
+        stresses: list[float] = []
+        while len(bridges) < MOST_BRIDGES:
+            found = self._cheapest(pattern, analysis, graph)
+            if found is None:
+                break
+            pattern, bridge, coupling = found
+            analysis.add(coupling)
+            bridges.append(bridge)
+            stresses.append(float(analysis.measure().max()))
+            if stresses[-1] <= self._limit:
+                break
+        return pattern, bridges, stresses
+
+    def _cheapest(
+        self, pattern: Pattern, analysis: Reanalysis, graph: sp.csr_matrix
+    ) -> tuple[Pattern, Bridge, sp.csc_matrix] | None:
+        """The cheapest bridge that can be laid from the most deformed contour point that has one."""
+        mesh = analysis.model.mesh
+        moved = np.linalg.norm(analysis.model.translations(analysis.displacement), axis=1)
+        contour = np.unique(mesh.boundary)
+        start = int(contour[np.argmax(moved[contour])])
+        ends = _visible(pattern, mesh, contour, start)
+        width = np.full(len(ends), pattern.spec.web_mm)
+        p = np.repeat(mesh.nodes[start][None], len(ends), axis=0)
+        bars = affordable(pattern, p, mesh.nodes[ends], width)
+        if not len(bars):
+            return None
+        geodesic = dijkstra(graph, directed=False, indices=start)
+        nearest = {tuple(xy): node for xy, node in zip(mesh.nodes[ends].tolist(), ends.tolist(), strict=True)}
+        around = geodesic[[nearest[tuple(q)] for q in bars.end.tolist()]]
+        loss = pattern.readability.total + bars.loss
+        cost = self._loss_weight * loss + bars.length_mm**2 / around
+        for row in np.argsort(cost, kind="stable").tolist():
+            bridge = bars.bridge(row, float(cost[row]))
+            try:
+                bridged = pattern.with_bridge(bridge)
+            except DesignError:  # breaks a web or gap rule: the next cheapest
+                continue
+            if np.isfinite(bridged.readability.total):
+                return bridged, bridge, couplings(analysis.model, bars.take(np.array([row])))
+        return None
+
+
+def _visible(pattern: Pattern, mesh: Mesh, contour: Ints, start: int) -> Ints:
+    """Contour nodes seen from one of them across a hole: V_p of Algorithm 1."""
+    here = mesh.nodes[start]
+    others = contour[np.linalg.norm(mesh.nodes[contour] - here, axis=1) > pattern.spec.gap_mm]
+    sights = shapely.linestrings(
+        np.stack([np.repeat(here[None], len(others), axis=0), mesh.nodes[others]], axis=1)
+    )
+    seen = np.zeros(len(others), bool)
+    for hole in holes_of(pattern.polygon):
+        if shapely.distance(hole, shapely.points(here)) > ON_WALL_MM:
+            continue
+        wide = shapely.buffer(hole, ON_WALL_MM)
+        shapely.prepare(wide)
+        middles = shapely.line_interpolate_point(sights, 0.5, normalized=True)
+        seen |= shapely.covers(wide, sights) & shapely.contains_properly(hole, middles)
+    return others[seen]
+
+
+def _light_graph(mesh: Mesh) -> sp.csr_matrix:
+    """Edges of the mesh, halves and element diagonals, with their lengths: paths on the light region."""
+    pairs = [(i, 3 + k) for k, (i, _) in enumerate(EDGES)] + [(3 + k, j) for k, (_, j) in enumerate(EDGES)]
+    pairs += [(3, 4), (4, 5), (5, 3), (0, 4), (1, 5), (2, 3)]
+    links = np.unique(np.sort(np.concatenate([mesh.elements[:, pair] for pair in pairs]), axis=1), axis=0)
+    lengths: Floats = np.linalg.norm(mesh.nodes[links[:, 0]] - mesh.nodes[links[:, 1]], axis=1)
+    count = len(mesh.nodes)
+    return sp.csr_matrix((lengths, (links[:, 0], links[:, 1])), shape=(count, count))

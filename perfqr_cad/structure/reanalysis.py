@@ -1,0 +1,83 @@
+"""One factorisation, many bridges: each is a low-rank update, by Woodbury's identity small matrices.
+
+With K = K0 + C Cᵀ and Z0 = K0⁻¹ C, every product with K⁻¹ is one with K0⁻¹ and a correction of the size of
+the bridges. Nothing is meshed or factorised while bridges are tried; a conforming mesh confirms them at the end.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from perfqr_cad.structure.measure import DiscAverage, disc_average, von_mises
+from perfqr_cad.structure.model import Model
+from perfqr_cad.structure.solvers import Factor
+from perfqr_cad.structure.t6 import Floats, Ints
+
+HOT_SHARE = 0.6  # of the largest stress: places that are watched while bridges are tried
+HOT_MOST = 400
+
+
+class Reanalysis:
+    """A solved model to which bridges are added. Mutable: it lives inside one run of the loop."""
+
+    def __init__(self, model: Model, factor: Factor, forces: Floats, nozzle_mm: float) -> None:
+        self.model = model
+        self.average = disc_average(model.mesh, nozzle_mm)
+        self._factor = factor
+        self._base = factor.solve(np.where(model.fixed, 0.0, forces))
+        unknowns = len(forces)
+        self._couplings: sp.csc_matrix = sp.csc_matrix((unknowns, 0))
+        self._flexibility: Floats = np.zeros((unknowns, 0))  # Z0
+        self.displacement = self._base
+
+    def solve(self, right: Floats) -> Floats:
+        """K⁻¹ of one or several right-hand sides, bridges included."""
+        return self._corrected(self._factor.solve(right))
+
+    def add(self, coupling: sp.csc_matrix) -> None:
+        """Lay bridges for good; C (n, modes) of them all."""
+        self._flexibility = np.hstack([self._flexibility, self._factor.solve(coupling.toarray())])
+        self._couplings = sp.hstack([self._couplings, coupling], format="csc")
+        self.displacement = self._corrected(self._base)
+
+    def _corrected(self, unbridged: Floats) -> Floats:
+        if not self._couplings.shape[1]:
+            return unbridged
+        small = np.eye(self._couplings.shape[1]) + self._couplings.T @ self._flexibility
+        return unbridged - self._flexibility @ np.linalg.solve(small, self._couplings.T @ unbridged)
+
+    def measure(self) -> Floats:
+        """The named measure at every corner node, in MPa."""
+        return von_mises(self.average(self.model.corner_stresses(self.displacement))).max(axis=1)
+
+
+def hot_places(measure: Floats) -> Ints:
+    """The corner nodes with the largest stress."""
+    order = np.argsort(-measure)[:HOT_MOST]
+    return order[measure[order] >= HOT_SHARE * measure[order[0]]]
+
+
+def stress_operator(model: Model, average: DiscAverage, places: Ints) -> sp.csr_matrix:
+    """Averaged tensors at some corner nodes as a matrix (places·layers·5, n·d) on the displacement."""
+    rows = average.matrix[places]
+    elements = np.unique(rows.indices // 3)
+    columns = (elements[:, None] * 3 + np.arange(3)).ravel()
+    part = model.alone(elements)
+    unknowns = 6 * model.system.dofs
+    unit = []
+    for k in range(unknowns):
+        shape = np.zeros((len(elements), unknowns))
+        shape[:, k] = 1.0
+        unit.append(part.corner_stresses(shape.ravel()))
+    # (elements, 3, layers·5, unknowns of the element)
+    blocks = np.stack(unit, axis=-1).reshape(len(elements), 3, -1, unknowns)
+    tensors = blocks.shape[2]
+    index = model.system.elements[elements][:, :, None] * model.system.dofs + np.arange(model.system.dofs)
+    index = np.broadcast_to(index.reshape(len(elements), 1, 1, unknowns), blocks.shape)
+    row = np.arange(len(elements) * 3 * tensors).reshape(len(elements), 3, tensors, 1)
+    row = np.broadcast_to(row, blocks.shape)
+    shape = (row.max() + 1, len(model.fixed))
+    of_corner = sp.csr_matrix((blocks.ravel(), (row.ravel(), index.ravel())), shape=shape)
+    averaging = sp.kron(rows[:, columns], sp.eye_array(tensors), format="csr")
+    return (averaging @ of_corner).tocsr()

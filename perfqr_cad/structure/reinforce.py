@@ -1,0 +1,164 @@
+"""Algorithm 1 of the paper, as it stands (`paper`) and as it should be (`optimal`).
+
+Both lay bridges on one factorisation and confirm them on a conforming mesh; what is still too weak goes round
+again. `paper` ties the point of largest deformation to the visible point of least cost by Eq. (5). `optimal`
+asks which bar lowers the stress most per unit of decoding margin: adjoint sensitivities of all bars are one
+solve, the best of them are compared exactly, several are laid at once, and those that do not help are taken
+out again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from perfqr_cad.errors import AnalysisError
+from perfqr_cad.structure.analysis import (
+    DEFAULT_NOZZLE_MM,
+    MESH_SIZE_MODULES,
+    bends_only,
+    field_of,
+    prepare,
+)
+from perfqr_cad.structure.field import StressField
+from perfqr_cad.structure.loads import Load, Support
+from perfqr_cad.structure.materials import MATERIALS, Material
+from perfqr_cad.structure.materials import material as material_named
+from perfqr_cad.structure.model import forces_of
+from perfqr_cad.structure.optimal import OptimalChoice
+from perfqr_cad.structure.paper import PaperChoice
+from perfqr_cad.structure.reanalysis import Reanalysis
+from perfqr_cad.structure.reinforcement import STRONG, Reinforcement
+from perfqr_cad.structure.solvers import factorise
+from perfqr_cad.surface import Placement
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import Bridge, Pattern
+
+Method = Literal["optimal", "paper"]
+WEAK = "weak: no affordable bridge is left"
+MOST_CONFIRMATIONS = 8
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What stays the same while bridges are laid."""
+
+    placement: Placement
+    material: Material
+    load: Load
+    support: Support | str
+    yield_mpa: float
+    nozzle_mm: float
+    mesh_size_mm: float
+    solver: str | None
+
+    def solve(self, pattern: Pattern) -> tuple[StressField, Reanalysis]:
+        """A conforming mesh of the pattern: its field, and the factorised model for further bridges."""
+        model = prepare(
+            pattern.polygon,
+            self.placement,
+            self.material,
+            self.support,
+            nozzle_mm=self.nozzle_mm,
+            mesh_size_mm=self.mesh_size_mm,
+            bends=bends_only(self.load),
+        )
+        factor = factorise(model.lower(), self.solver)
+        forces = forces_of(model, self.load, factor)
+        analysis = Reanalysis(model, factor, forces, self.nozzle_mm)
+        field = field_of(
+            model,
+            analysis.displacement,
+            forces,
+            average=analysis.average,
+            yield_mpa=self.yield_mpa,
+            solver=factor.name,
+        )
+        return field, analysis
+
+
+def reinforce(
+    pattern: Pattern,
+    placement: Placement,
+    *,
+    material: Material | str = "PLA",
+    load: Load,
+    support: Support | str = "clamped",
+    yield_mpa: float | None = None,
+    method: Method = "optimal",
+    nozzle_mm: float = DEFAULT_NOZZLE_MM,
+    mesh_size_mm: float | None = None,
+    loss_weight: float = 1.0,
+    solver: str | None = None,
+) -> Reinforcement:
+    """Bridges until the largest stress is within `yield_mpa` (χ; None takes the material's yield stress).
+
+    `loss_weight` is λ of Eq. (5). "No affordable bridge is left" is a status, not an error.
+
+    Raises:
+        AnalysisError: the pattern cannot be analysed, or a setting is unknown or out of range.
+    """
+    if method not in ("optimal", "paper"):
+        raise AnalysisError(f"method {method!r} is unknown; choose optimal or paper")
+    stuff = material_named(material) if isinstance(material, str) else material
+    limit = stuff.yield_mpa if yield_mpa is None else yield_mpa
+    if not limit > 0.0:
+        raise AnalysisError(f"yield stress is {limit} MPa; it must be a positive number")
+    size = mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm
+    job = _Job(placement, stuff, load, support, limit, nozzle_mm, size, solver)
+    chooser = OptimalChoice(limit) if method == "optimal" else PaperChoice(limit, loss_weight)
+    return _run(pattern, job, chooser, method)
+
+
+Chooser = OptimalChoice | PaperChoice
+
+
+def _run(pattern: Pattern, job: _Job, chooser: Chooser, method: Method) -> Reinforcement:
+    before, analysis = job.solve(pattern)
+    field, current = before, pattern
+    history = [before.max_stress_mpa]
+    confirmations = 0
+    laid: list[Bridge] = []
+    while not field.strong and confirmations < MOST_CONFIRMATIONS:
+        bridged, new, stresses = chooser.lay(current, analysis)
+        if not new:
+            break
+        confirmations += 1
+        checked, analysis = job.solve(bridged)
+        history += [*stresses, checked.max_stress_mpa]
+        laid += new
+        current, field = bridged, checked
+    return Reinforcement(
+        pattern=current,
+        before=before,
+        after=field,
+        bridges=tuple(laid),
+        iterations=len(laid),
+        confirmations=confirmations,
+        status=STRONG if field.strong else WEAK,
+        history=tuple(history),
+        method=method,
+        yield_mpa=job.yield_mpa,
+        removed=chooser.removed,
+        remedies=() if field.strong else remedies(field, pattern, job.yield_mpa),
+    )
+
+
+def remedies(field: StressField, pattern: Pattern, yield_mpa: float) -> tuple[str, ...]:
+    """What else would bring the largest stress within the yield stress, first estimates."""
+    excess = field.max_stress_mpa / yield_mpa
+    advice = [
+        # Bending stress falls with the square of the thickness, and grows with the square of the span.
+        f"thickness {field.thickness_mm * excess**0.5:.2f} mm instead of {field.thickness_mm:g} mm",
+        f"size {pattern.size_mm / excess**0.5:.1f} mm instead of {pattern.size_mm:.1f} mm",
+    ]
+    stronger = [
+        m for m in MATERIALS.values() if m.yield_mpa > field.max_stress_mpa and m.name != field.material
+    ]
+    if stronger:
+        least = min(stronger, key=lambda m: m.yield_mpa)
+        advice.append(f"material {least.name} (yields at {least.yield_mpa:g} MPa)")
+    if pattern.symbol.level != "H":
+        advice.append(f"error correction above level {pattern.symbol.level}, which can afford more bridges")
+    return tuple(advice)
