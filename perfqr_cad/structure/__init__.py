@@ -10,7 +10,7 @@ from .materials import MATERIALS, Material, material
 if TYPE_CHECKING:
     from .analysis import analyse, analyse_region
     from .field import StressField
-    from .reinforce import reinforce
+    from .reinforcing import reinforce
     from .reinforcement import Reinforcement
 
 __all__ = [
@@ -33,7 +33,7 @@ __all__ = [
 _HOME = {
     "analyse": "analysis",
     "analyse_region": "analysis",
-    "reinforce": "reinforce",
+    "reinforce": "reinforcing",
     "Reinforcement": "reinforcement",
     "StressField": "field",
 }

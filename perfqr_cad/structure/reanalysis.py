@@ -1,6 +1,6 @@
 """One factorisation, many bridges: each is a low-rank update, by Woodbury's identity small matrices.
 
-With K = K0 + C Cᵀ and Z0 = K0⁻¹ C, every product with K⁻¹ is one with K0⁻¹ and a correction of the size of
+With K = K0 + C Cᵀ and Z0 = K0⁻¹ C, each product with K⁻¹ is one with K0⁻¹ and a correction of the size of
 the bridges. Nothing is meshed or factorised while bridges are tried; a conforming mesh confirms them at the end.
 """
 

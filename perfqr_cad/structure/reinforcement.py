@@ -18,8 +18,8 @@ class Reinforcement:
     """A pattern and the structural bridges it was given, with the fields before and after.
 
     `iterations` counts bridges laid, `confirmations` the conforming meshes that checked them; `history` is
-    the largest stress in MPa, first unreinforced, then after each round and confirmation. `status` is "strong"
-    or "weak: no affordable bridge is left"; `remedies` then says what else would help.
+    the largest stress in MPa, first unreinforced, then after each round and confirmation. `status` is
+    "strong" or "weak: no affordable bridge is left"; `remedies` then says what else would help.
     """
 
     pattern: Pattern
