@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from io import BytesIO
 from pathlib import Path
@@ -15,15 +15,17 @@ from .loss import loss_curve
 from .style import STYLE
 
 if TYPE_CHECKING:
+    from perfqr_cad.pattern import Bridge
     from perfqr_cad.scan import DecoderResult, ScanReport, Sight
     from perfqr_cad.structure import StressField
+    from perfqr_cad.structure.maps import Quantity
 
 STAGE_TEXT = {
     "function": "finder and alignment rings (blue)",
     "connectivity": "islands (red)",
     "structural": "strength (green)",
 }
-MAPS = (("stress", "Von Mises stress"), ("deflection", "Deflection"))
+MAPS: dict[Quantity, str] = {"stress": "Von Mises stress", "deflection": "Deflection"}
 PICTURE_PX = (720, 540)
 MAP_INCHES, MAP_DPI = (4.6, 4.0), 110
 
@@ -105,34 +107,34 @@ def _strength(design: DesignView, certificate: dict[str, Any]) -> str:
     if design.stress is None:
         return f"<h2>Strength</h2>\n{table}"
     loop = design.reinforcement
-    figures = [_maps(design.stress, "as made")]
-    if loop is not None and loop.after is not loop.before:
-        figures.insert(0, _maps(loop.before, "before reinforcement"))
-    rows = "\n".join(f'<div class="pair">{maps}</div>' for maps in figures)
-    return f"<h2>Strength</h2>\n{table}\n{rows}"
+    if loop is None or not loop.bridges:
+        return f"<h2>Strength</h2>\n{table}\n{_maps(design.stress, 'as made', (), {})}"
+    chart = markup.line_chart(loop.history, x_label="steps", y_label="stress, MPa", limit=loop.yield_mpa)
+    caption = f"Largest stress as bridges were added ({len(loop.bridges)}); dashed: the yield stress"
+    limits: dict[Quantity, float] = {
+        "stress": max(loop.before.max_stress_mpa, design.stress.max_stress_mpa),
+        "deflection": max(abs(field.max_deflection_mm) for field in (loop.before, design.stress)),
+    }
+    return (
+        f'<h2>Strength</h2>\n<div class="pair"><div>{table}</div>{markup.figure(chart, caption)}</div>\n'
+        f"{_maps(loop.before, 'before reinforcement', (), limits)}\n"
+        f"{_maps(design.stress, 'as made', loop.bridges, limits)}"
+    )
 
 
-def _maps(field: StressField, when: str) -> str:
-    """Stress and deflection side by side."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
+def _maps(field: StressField, when: str, bridges: Sequence[Bridge], limits: Mapping[Quantity, float]) -> str:
+    """Stress and deflection side by side, each up to its limit or its own largest value."""
     from matplotlib.figure import Figure
 
+    from perfqr_cad.structure.maps import draw
+
     parts: list[str] = []
-    for what, name in MAPS:
-        figure = Figure(figsize=MAP_INCHES, dpi=MAP_DPI, layout="constrained")
-        FigureCanvasAgg(figure)
-        _draw(field, figure.add_subplot(), what)
-        data = BytesIO()
-        figure.savefig(data, format="png")
+    for what, name in MAPS.items():
+        canvas, data = Figure(figsize=MAP_INCHES, dpi=MAP_DPI, layout="constrained"), BytesIO()
+        draw(field, canvas.subplots(), what, bridges=bridges, limit=limits.get(what))
+        canvas.savefig(data, format="png", metadata={"Software": None})
         parts.append(markup.figure(markup.png_image(data.getvalue(), name), f"{name}, {when}"))
-    return "".join(parts)
-
-
-def _draw(field: StressField, axes: Any, what: str) -> None:
-    values, unit = (field.von_mises_mpa, "MPa") if what == "stress" else (field.deflection_mm, "mm")
-    mesh = axes.tripcolor(*field.uv_mm.T, field.triangles, values, shading="gouraud", cmap="turbo")
-    axes.set(aspect="equal", xlabel="mm")
-    axes.figure.colorbar(mesh, label=unit)
+    return f'<div class="pair">{"".join(parts)}</div>'
 
 
 def _scan(report: ScanReport | None) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import re
 import shutil
 import subprocess
@@ -16,6 +17,7 @@ import pytest
 from perfqr_cad.export import report
 from perfqr_cad.pattern import Bridge
 from perfqr_cad.scan import DecoderResult, ScanReport, Sight
+from perfqr_cad.structure import Reinforcement, StressField
 from perfqr_cad.symbol import Matrix, encode
 
 from .conftest import Drawn
@@ -122,6 +124,56 @@ def test_scan_is_shown(text):
 def test_a_link_that_has_not_run_is_said_to_be_missing(design, tmp_path):
     report.write(design, tmp_path / "report.html")
     assert "Not filmed." in (tmp_path / "report.html").read_text("utf-8")
+
+
+def field(stress_mpa):
+    nodes = np.array([[-10.0, -10.0], [10.0, -10.0], [10.0, 10.0], [-10.0, 10.0]])
+    flat = np.column_stack([nodes, np.zeros(4)])
+    largest = float(stress_mpa.max())
+    return StressField(
+        nodes, flat, np.array([[0, 1, 2], [0, 2, 3]]), flat * 0.0, np.linspace(0, -0.1, 4), stress_mpa,
+        largest, (10.0, 10.0), largest, 0.4, 0.1, (-10.0, 10.0), 2.0, 5.0, (0, 0, 1), (0, 0, -1), 0.0,
+        "PLA", "clamped", 1.2, 1.0, 12, "direct",
+    )  # fmt: skip
+
+
+@pytest.fixture
+def reinforced(design):
+    before, after = field(np.array([0.0, 1.0, 3.0, 1.0])), field(np.array([0.0, 1.0, 1.5, 1.0]))
+    bridges = design.pattern.bridges
+    loop = Reinforcement(design.pattern, before, after, bridges, 1, 1, "strong", (3.0, 1.5), "optimal", 2.0)
+    return replace(design, stress=after, reinforcement=loop)
+
+
+def pictures(text):
+    found = re.findall(r"data:image/png;base64,([^\"]+)", text)
+    return [cv2.imdecode(np.frombuffer(base64.b64decode(d), np.uint8), cv2.IMREAD_COLOR) for d in found]
+
+
+def test_maps_before_and_after_share_their_scale(reinforced, tmp_path):
+    report.write(reinforced, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text("utf-8")
+    outline(text)
+    assert "Von Mises stress, before reinforcement" in text
+    assert "Largest stress as bridges were added (1)" in text
+    _, before, _, after, _ = pictures(text)
+    # The scale ends in pale yellow: reached before, not after.
+    assert pale_yellow(before) > 0.01
+    assert pale_yellow(after) == 0
+
+
+def pale_yellow(picture):
+    """Share of such pixels left of the colour bar, in a BGR picture."""
+    blue, green, red = np.moveaxis(picture[:, : picture.shape[1] * 3 // 4].astype(int), 2, 0)
+    return ((red > 220) & (green > 220) & (blue < 200)).mean()
+
+
+def test_maps_as_made_only_when_nothing_was_added(reinforced, tmp_path):
+    plain = replace(reinforced, reinforcement=replace(reinforced.reinforcement, bridges=()))
+    report.write(plain, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text("utf-8")
+    assert "Deflection, as made" in text
+    assert "before reinforcement" not in text
 
 
 def test_no_clock_in_the_page(text, filmed, tmp_path):
