@@ -139,7 +139,7 @@ def field(stress_mpa):
 
 @pytest.fixture
 def reinforced(design):
-    before, after = field(np.array([0.0, 1.0, 3.0, 1.0])), field(np.array([0.0, 1.0, 1.5, 1.0]))
+    before, after = field(np.array([0.0, 3.0, 3.0, 3.0])), field(np.array([0.0, 1.5, 1.5, 1.5]))
     bridges = design.pattern.bridges
     loop = Reinforcement(design.pattern, before, after, bridges, 1, 1, "strong", (3.0, 1.5), "optimal", 2.0)
     return replace(design, stress=after, reinforcement=loop)
