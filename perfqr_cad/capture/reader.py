@@ -32,8 +32,16 @@ def read(source: str | Path | bytes | NDArray[Any], *, sampling: Sampling = "sof
             except SymbolError as e:
                 last = e
     if last:
-        raise CaptureError(str(last)) from last
-    raise CaptureError("no code")
+        raise CaptureError(f"the code in {_name(source)} is {last}") from last
+    height, width = grey.shape
+    raise CaptureError(
+        f"no QR code found in {_name(source)} ({width} × {height} pixels): take a sharper, straighter or larger "
+        "picture with all three finder patterns in it"
+    )
+
+
+def _name(source: str | Path | bytes | NDArray[Any]) -> str:
+    return Path(source).name if isinstance(source, str | Path) else "the picture"
 
 
 def _seeds(grey: NDArray[np.uint8]) -> Iterator[Seed]:

@@ -35,13 +35,14 @@ class Seed:
 
 def zxing_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
     """What zxing-cpp finds in a grey picture, codes that it could not decode included."""
-    found = zxingcpp.read_barcodes(image, formats=zxingcpp.BarcodeFormat.QRCode, return_errors=True)
+    found = zxingcpp.read_barcodes(image, formats=zxingcpp.BarcodeFormat.QRCodeModel2, return_errors=True)
     for code in sorted(found, key=lambda one: not one.valid):
         place = code.position
         points = (place.top_left, place.top_right, place.bottom_right, place.bottom_left)
         corners = np.array([(point.x, point.y) for point in points], np.float64)
         extra: dict[str, Any] = code.extra or {}
-        sizes = (size_of(int(extra["Version"])),) if extra.get("Version") else ()
+        version = str(extra.get("Version", ""))
+        sizes = (size_of(int(version)),) if version.isdigit() else ()  # "M3" and "R7x43" are other symbologies
         yield Seed("zxing-cpp", corners, sizes, bytes(code.bytes) if code.valid else None, True)
 
 
