@@ -43,7 +43,7 @@ def summary(design: Design) -> str:
         f"L(Q) = {pattern.readability.total:.4g}",
         f"pattern   module {pattern.module_mm:.3f} mm, {pattern.islands_before} islands, {bridges} bridges, "
         f"{lost} codewords lost",
-        f"strength  {_status(design)}: {stress.max_stress_mpa:.3g} MPa of {stress.yield_mpa:g} MPa, "
+        f"strength  {design.reinforcement.status}: {stress.max_stress_mpa:.3g} MPa of {stress.yield_mpa:g}, "
         f"deflection {stress.max_deflection_mm:.3g} mm, {stress.material}, {stress.mass_g:.1f} g",
         f"solid     {size} mm, {solid.volume_mm3:.1f} mm³, {solid.faces} faces, "
         f"{'valid' if solid.valid else 'NOT VALID'}",
@@ -148,17 +148,12 @@ def _structure(design: Design) -> dict[str, Any]:
         "safety_factor": stress.safety_factor,
         "max_deflection_mm": stress.max_deflection_mm,
         "mass_g": stress.mass_g,
-        "iterations": 0 if loop is None else loop.iterations,
-        "status": _status(design),
+        "iterations": loop.iterations,
+        "status": loop.status,
+        "remedies": list(loop.remedies),
         "solver": stress.solver,
         "warnings": list(stress.warnings),
     }
-
-
-def _status(design: Design) -> str:
-    if design.reinforcement is not None:
-        return design.reinforcement.status
-    return "strong" if design.stress.strong else "weak: not reinforced"
 
 
 def _solid(design: Design) -> dict[str, Any]:

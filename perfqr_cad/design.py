@@ -71,12 +71,16 @@ class Design:
     symbol: Symbol
     pattern: Pattern
     placement: Placement
+    reinforcement: Reinforcement
     solid: Solid
-    stress: StressField
     scan: ScanReport
-    reinforcement: Reinforcement | None = None
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
     files: tuple[FileRecord, ...] = ()
+
+    @property
+    def stress(self) -> StressField:
+        """The stress field of the finished part."""
+        return self.reinforcement.after
 
     @property
     def part(self) -> build123d.Part:
@@ -152,21 +156,26 @@ def run(request: Request, target: Target | None = None) -> Design:
         drawn = patterns.build(symbol, spec, None if capture is None else capture.art)
         placement = target.placement(drawn.size_mm)
     with watch("structure"):
-        stress = structure.analyse(
+        reinforced = structure.reinforce(
             drawn,
             placement,
             material=material,
             load=structure.Pressure(request.pressure_mpa),
             support=request.support,
             yield_mpa=request.yield_mpa,
+            method=request.method,  # pyright: ignore[reportArgumentType]  # reinforce refuses unknown names
             nozzle_mm=request.nozzle_mm,
         )
     with watch("solid"):
-        solid = target.solid(drawn, placement, walls)
+        solid = target.solid(reinforced.pattern, placement, walls)
     with watch("scan"):
-        report = scan.certify(solid.triangles, placement, drawn, _payload(symbol), seed=request.seed)
+        report = scan.certify(
+            solid.triangles, placement, reinforced.pattern, _payload(symbol), seed=request.seed
+        )
     _require_readable(report)
-    return Design(request, capture, symbol, drawn, placement, solid, stress, report, timings_s=watch.seconds)
+    return Design(
+        request, capture, symbol, reinforced.pattern, placement, reinforced, solid, report, watch.seconds
+    )
 
 
 def _source(request: Request) -> tuple[Capture | None, Symbol]:
