@@ -130,7 +130,7 @@ def body_of_mesh(triangles: Triangles) -> Body:
 def body_of_solid(solid: TopoDS_Solid, faces: list[TopoDS_Face]) -> Body:
     """The solid's mesh with face numbers (places in `faces`) and exact normals.
 
-    Raises `KernelError` when the kernel's mesh is not closed.
+    Raises `KernelError` when a face cannot be meshed.
     """
     from OCP.Bnd import Bnd_Box
     from OCP.BRepBndLib import BRepBndLib
@@ -154,8 +154,6 @@ def body_of_solid(solid: TopoDS_Solid, faces: list[TopoDS_Face]) -> Body:
         tags.append(np.full(len(corners), tag))
         offset += len(nodes)
     mesh, kept = weld(np.vstack(points), np.vstack(triangles), WELD_MM)
-    if not mesh.closed:
-        raise KernelError("the solid's mesh does not close: heal its edges in the CAD system and export again")
     return Body(mesh, np.concatenate(tags)[kept], np.concatenate(normals)[kept])
 
 

@@ -15,7 +15,7 @@ from perfqr_cad.pattern.outline import Loop, Region
 from perfqr_cad.solid import occ
 from perfqr_cad.solid.imported import kernel
 from perfqr_cad.solid.imported.body import Array
-from perfqr_cad.solid.imported.face_chart import FaceChart
+from perfqr_cad.solid.imported.face_chart import chart_between
 from perfqr_cad.solid.imported.host import Host
 from perfqr_cad.solid.imported.lay import Laid, Projected
 from perfqr_cad.solid.imported.removed import removed_mm3
@@ -47,31 +47,28 @@ def carve(host: Host, region: Region, laid: Laid, walls: Walls) -> Solid:
     if crossing:
         base = Host(host.name, _cut(host, crossing, laid, walls))
     shape = _punched(base, [well for hole, well in sinking if hole not in crossing], laid)
-    problems = _problems(host, shape, removed)
+    lost = kernel.volume_lost(host.shape, shape)
+    problems: list[str] = []
+    if abs(lost - removed) > VOLUME_TOLERANCE * removed:
+        problems.append(f"it lost {lost:.6g} mm³ instead of {removed:.6g} mm³")
+    if not kernel.is_valid(shape):
+        problems.append("the kernel's check fails")
     if problems:
         raise KernelError(f"the perforated solid is not sound ({'; '.join(problems)}): move the code a little")
+    volume = occ.volume(shape)
     return Solid(
         shape=shape,
-        triangles=carved_mesh(host.body.triangles, region.holes, laid, walls),
+        triangles=carved_mesh(host.body, region.holes, laid, walls),
         valid=True,
         solids=occ.count(shape, occ.SOLID),
         faces=occ.count(shape, occ.FACE),
         edges=occ.count(shape, occ.EDGE),
-        volume_mm3=occ.volume(shape),
-        bbox_mm=occ.bounds(shape),
-        expected_volume_mm3=host.volume_mm3 - removed,
+        volume_mm3=volume,
+        bbox_mm=kernel.bounding_box(host.shape),
+        # By the changed faces alone: see `kernel.volume_lost` for why not from the volume of the host.
+        expected_volume_mm3=volume + lost - removed,
         name=host.name,
     )
-
-
-def _problems(host: Host, shape: TopoDS_Solid, removed: float) -> list[str]:
-    found: list[str] = []
-    lost = kernel.volume_lost(host.shape, shape)
-    if abs(lost - removed) > VOLUME_TOLERANCE * removed:
-        found.append(f"it lost {lost:.6g} mm³ instead of {removed:.6g} mm³")
-    if not kernel.is_valid(shape):
-        found.append("the kernel's check fails")
-    return found
 
 
 def _punched(host: Host, wells: Sequence[Well], laid: Laid) -> TopoDS_Solid:
@@ -84,7 +81,7 @@ def _punched(host: Host, wells: Sequence[Well], laid: Laid) -> TopoDS_Solid:
     walls: list[TopoDS_Face] = []
     for (front, back), members in groups.items():
         reach = members[0].levels[-1].depth_mm
-        chart = FaceChart(laid, host.skins[front], host.skins[back] if back >= 0 else None, reach)
+        chart = chart_between(laid, host.skins[front], host.skins[back] if back >= 0 else None, reach)
         for made in tubes(tuple(members), chart):
             mouths[front].append((made, chart.towards_reader(0.0)))
             if back >= 0:

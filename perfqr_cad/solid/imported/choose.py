@@ -70,13 +70,22 @@ def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wish: Wish)
 def _on_face(
     host: Host, index: int, size_mm: float, problem: Problem, up: ArrayLike | None
 ) -> Survey | None:
-    """The first spot of a face, from its middle outwards, that takes the code."""
+    """The first spot of a face, from its middle outwards, that takes the code; best one without edges or seams."""
+    over_edges: Survey | None = None
     for frame in _spots(host, index, up):
-        if problem(survey(host.body, frame, size_mm, COARSE)) is None:
-            fine = survey(host.body, frame, size_mm)
-            if problem(fine) is None:
+        coarse = survey(host.body, frame, size_mm, COARSE)
+        if problem(coarse) is not None:
+            continue
+        depth = coarse.thickness_mm + float(np.abs(coarse.height_mm).max())
+        clear = not host.has_edges_under(frame, size_mm, depth)
+        if not clear and over_edges is not None:
+            continue
+        fine = survey(host.body, frame, size_mm)
+        if problem(fine) is None:
+            if clear:
                 return fine
-    return None
+            over_edges = fine
+    return over_edges
 
 
 def _spots(host: Host, index: int, up: ArrayLike | None) -> list[Frame]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,8 @@ from perfqr_cad.solid.imported.survey import Frame
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Face, TopoDS_Solid
 
+EDGE_STEP_MM = 1.0
+
 
 @dataclass(frozen=True)
 class Host:
@@ -25,6 +27,17 @@ class Host:
 
     name: str
     shape: TopoDS_Solid
+
+    @staticmethod
+    def of(shape: Any) -> Host:
+        """The one solid of a kernel shape, a build123d object or a CadQuery object or workplane."""
+        if callable(getattr(shape, "vals", None)):  # a CadQuery workplane
+            shape = shape.val()
+        label = getattr(shape, "label", "") or "part"
+        found = kernel.solids(getattr(shape, "wrapped", shape))
+        if len(found) != 1:
+            raise DesignError(f"the shape has {len(found)} solids: give one solid to carve the code into")
+        return Host(label, kernel.sound(found[0], label))
 
     @cached_property
     def faces(self) -> list[TopoDS_Face]:
@@ -42,9 +55,14 @@ class Host:
         return body_of_solid(self.shape, self.faces)
 
     @cached_property
-    def volume_mm3(self) -> float:
-        """Volume of the solid."""
-        return kernel.volume(self.shape)
+    def edge_points(self) -> Array:
+        """Points (k, 3) along all edges, seams included, at most `EDGE_STEP_MM` apart on edges of common length."""
+        return np.vstack([p for face in self.faces for p in kernel.edge_points(face, EDGE_STEP_MM)])
+
+    def has_edges_under(self, frame: Frame, size_mm: float, depth_mm: float) -> bool:
+        """Whether an edge runs through the box under a code, from just before its front to `depth_mm` behind."""
+        x, y, h = frame.to_frame(self.edge_points).T
+        return bool(np.any((np.maximum(np.abs(x), np.abs(y)) < size_mm / 2) & (h < depth_mm) & (h > -depth_mm)))
 
     def nearest(self, point: Array) -> tuple[int, Array]:
         """The face nearest to a point, by place, and the nearest point on it."""

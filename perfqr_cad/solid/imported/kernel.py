@@ -116,6 +116,22 @@ def healed(solid: TopoDS_Shape) -> TopoDS_Solid | None:
     return found[0] if len(found) == 1 else None
 
 
+def sound(solid: TopoDS_Solid, name: str) -> TopoDS_Solid:
+    """The solid with its outside outside, repaired when the kernel calls it invalid.
+
+    A boolean on an invalid solid returns nonsense without an error, hence no doubtful solid goes on.
+    """
+    if not is_valid(solid):
+        repaired = healed(solid)
+        if repaired is None or not is_valid(repaired):
+            raise KernelError(
+                f"the solid {name!r} is invalid and cannot be repaired: check its geometry in the CAD system and "
+                "export it again"
+            )
+        solid = repaired
+    return outward(solid)
+
+
 def solid_of_shell(shell: TopoDS_Shape) -> TopoDS_Solid | None:
     """A solid bounded by a closed shell, None for an open one."""
     from OCP.BRep import BRep_Tool

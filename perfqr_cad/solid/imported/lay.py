@@ -33,6 +33,8 @@ class Laid(Placement):
     `line` gives the lines the holes follow; the exact faces are met along them.
     """
 
+    frame_at_centre: Frame
+
     @abstractmethod
     def line(self, uv: ArrayLike) -> tuple[Array, Array]:
         """Points (k, 3) on or near the front, and frames (k, 3, 3) whose third rows are the hole's axis."""
@@ -60,7 +62,6 @@ class Projected(Laid):
     columns right). The holes run along the axis, so the reader before the centre sees the code undistorted.
     """
 
-    frame_at_centre: Frame
     span_mm: float
     heights_mm: Array = field(repr=False)
     thickness_mm: float

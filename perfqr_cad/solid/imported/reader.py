@@ -72,7 +72,7 @@ def read_parts(path: str | Path) -> tuple[Part, ...]:
                 f"{path.name} holds no solid, only {len(shells)} open shells and {faces} faces: "
                 "close and stitch them to a solid in the CAD system and export again"
             )
-    return tuple(_numbered([Part(p.name, _sound(p, path)) for p in parts]))
+    return tuple(_numbered([Part(p.name, kernel.sound(p.shape, p.name)) for p in parts]))
 
 
 def _check_envelope(path: Path) -> None:
@@ -144,22 +144,6 @@ def _label_name(label: TDF_Label) -> str:
     if not label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
         return ""
     return attribute.Get().ToExtString().strip()
-
-
-def _sound(part: Part, path: Path) -> TopoDS_Solid:
-    """The part's solid, repaired when the kernel calls it invalid.
-
-    A boolean on an invalid solid returns nonsense without an error, hence no doubtful solid goes on.
-    """
-    solid = part.shape
-    if not kernel.is_valid(solid):
-        solid = kernel.healed(solid)
-        if solid is None or not kernel.is_valid(solid):
-            raise KernelError(
-                f"the solid {part.name!r} of {path.name} is invalid and cannot be repaired: check its geometry in "
-                "the CAD system and export again"
-            )
-    return kernel.outward(solid)
 
 
 def _numbered(parts: list[Part]) -> list[Part]:

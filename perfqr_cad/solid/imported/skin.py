@@ -13,7 +13,6 @@ from perfqr_cad.errors import KernelError
 from perfqr_cad.solid.imported.body import Array
 
 if TYPE_CHECKING:
-    from OCP.BRepTopAdaptor import BRepTopAdaptor_FClass2d
     from OCP.Geom import Geom_Surface
     from OCP.TopoDS import TopoDS_Face
     from scipy.spatial import cKDTree
@@ -59,12 +58,6 @@ class Skin:
         return -1.0 if self.face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED else 1.0
 
     @cached_property
-    def _classifier(self) -> BRepTopAdaptor_FClass2d:
-        from OCP.BRepTopAdaptor import BRepTopAdaptor_FClass2d
-
-        return BRepTopAdaptor_FClass2d(self.face, 1e-7)
-
-    @cached_property
     def _seeds(self) -> tuple[cKDTree, Array]:
         from scipy.spatial import cKDTree
 
@@ -87,22 +80,35 @@ class Skin:
         normal = np.cross(du.Coord(), dv.Coord()) * self.outward_sign
         return normal / np.linalg.norm(normal)
 
-    def foot(self, point: Array) -> tuple[Array, Array] | None:
-        """The exact point of the face's surface nearest to a point, and its outward normal; None at a pole."""
+    def parameters(self, point: Array) -> tuple[float, float]:
+        """Parameters of the surface point nearest to a point. Raises `KernelError` when the search fails."""
         from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
-        from OCP.gp import gp_Pnt, gp_Vec
+        from OCP.gp import gp_Pnt
 
         search = GeomAPI_ProjectPointOnSurf(gp_Pnt(*point.tolist()), self.surface, *self.bounds)
         if not search.NbPoints():
-            return None
+            raise KernelError("a point could not be projected onto the face: move the code")
         u, v = search.LowerDistanceParameters()
-        p, du, dv = gp_Pnt(), gp_Vec(), gp_Vec()
-        self.surface.D1(u, v, p, du, dv)
-        normal = np.cross(du.Coord(), dv.Coord()) * self.outward_sign
+        return u, v
+
+    def derivatives(self, u: float, v: float) -> tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]:
+        """Point, ∂u, ∂v; and ∂uu, ∂vv, ∂uv, each (3,)."""
+        from OCP.gp import gp_Pnt, gp_Vec
+
+        p, du, dv, duu, dvv, duv = gp_Pnt(), gp_Vec(), gp_Vec(), gp_Vec(), gp_Vec(), gp_Vec()
+        self.surface.D2(u, v, p, du, dv, duu, dvv, duv)
+        first = np.array([p.Coord(), du.Coord(), dv.Coord()])
+        second = np.array([duu.Coord(), dvv.Coord(), duv.Coord()])
+        return (first[0], first[1], first[2]), (second[0], second[1], second[2])
+
+    def foot(self, point: Array) -> tuple[Array, Array] | None:
+        """The exact point of the surface nearest to a point, and its outward normal; None at a pole."""
+        (p, du, dv), _ = self.derivatives(*self.parameters(point))
+        normal = np.cross(du, dv) * self.outward_sign
         length = float(np.linalg.norm(normal))
-        if length < 1e-9 * np.linalg.norm(du.Coord()) * np.linalg.norm(dv.Coord()) or length == 0.0:
+        if length <= 1e-9 * float(np.linalg.norm(du) * np.linalg.norm(dv)):
             return None
-        return np.array(p.Coord()), normal / length
+        return p, normal / length
 
     def meet(self, origins: Array, frames: Array, guesses: Array, reach_mm: float) -> tuple[Array, Array]:
         """Where lines meet the surface: parameters (k, 2) and points (k, 3).
@@ -125,7 +131,7 @@ class Skin:
                 raise KernelError(f"the wall's surface cannot be followed at ({where}): move the code")
             at = found[0], found[1]
             uv[k], points[k] = at, found[2]
-        return uv, points
+        return self._in_period(uv), points
 
     def _newton(
         self, origin: Array, frame: Array, start: tuple[float, float], guess: Array, reach: float
@@ -154,28 +160,11 @@ class Skin:
             v -= (au * fb - bu * fa) / det
         return None
 
-    def contains(self, uv: Array) -> bool:
-        """Whether all parameters (k, 2) lie strictly inside the trimmed face, in one period of it."""
-        from OCP.gp import gp_Pnt2d
-        from OCP.TopAbs import TopAbs_State
-
-        u0, u1, v0, v1 = self.bounds
-        inside_box = (uv.min(axis=0) > (u0, v0)).all() and (uv.max(axis=0) < (u1, v1)).all()
-        inside = TopAbs_State.TopAbs_IN
-        return bool(inside_box) and all(
-            self._classifier.Perform(gp_Pnt2d(u, v), False) == inside for u, v in uv.tolist()
-        )
-
-    def in_period(self, uv: Array) -> Array:
-        """Parameters moved by whole periods, all by the same, so that their mean lies in the face's range."""
-        u0, u1, v0, v1 = self.bounds
-        moved = uv.copy()
+    def _in_period(self, uv: Array) -> Array:
+        """Parameters moved by whole periods into the face's range; outlines across a seam are not for us."""
+        u0, _, v0, _ = self.bounds
         if self.surface.IsUPeriodic():
-            moved[:, 0] -= _whole(moved[:, 0].mean() - (u0 + u1) / 2, self.surface.UPeriod())
+            uv[:, 0] = u0 + np.mod(uv[:, 0] - u0, self.surface.UPeriod())
         if self.surface.IsVPeriodic():
-            moved[:, 1] -= _whole(moved[:, 1].mean() - (v0 + v1) / 2, self.surface.VPeriod())
-        return moved
-
-
-def _whole(offset: float, period: float) -> float:
-    return period * round(offset / period)
+            uv[:, 1] = v0 + np.mod(uv[:, 1] - v0, self.surface.VPeriod())
+        return uv

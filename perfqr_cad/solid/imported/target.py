@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +26,7 @@ Triple = tuple[float, float, float]
 # A version-1 code with its quiet zone is 29 modules wide: the widest module a code of given size can have.
 LEAST_MODULES = 29
 GRID = 65  # samples a side of the placement's height field
+WRAP_SEEN = 0.8  # of a wrapped code's edge: what the reader before the centre sees of it on a strongly bent face
 MARGIN = 1.02  # the field reaches a little beyond the code, for derivatives on its rim
 
 
@@ -39,9 +40,10 @@ class ImportedFace:
     up         what points up in the code; default +z, or +y on faces that look along z
     wrap       lay the code along the face (lengths kept) instead of projecting it along the centre's normal
     depth_mm   blind pockets of that depth instead of through-holes
+    shape      a solid in memory instead of a file: see `of`
     """
 
-    path: str | Path
+    path: str | Path | None = None
     face: int | None = None
     point: Triple | None = None
     direction: Triple | None = None
@@ -49,6 +51,12 @@ class ImportedFace:
     up: Triple | None = None
     wrap: bool = False
     depth_mm: float | None = None
+    shape: Any = field(default=None, repr=False)
+
+    @staticmethod
+    def of(shape: Any, **place: Any) -> ImportedFace:
+        """A face of a solid in memory: a kernel shape, build123d object or CadQuery workplane; `place` as above."""
+        return ImportedFace(shape=shape, **place)
 
     @cached_property
     def host(self) -> Host:
@@ -56,13 +64,21 @@ class ImportedFace:
         from perfqr_cad.solid.imported.host import Host
         from perfqr_cad.solid.imported.reader import read_part
 
+        if self.shape is not None:
+            return Host.of(self.shape)
+        if not self.path:
+            raise DesignError("no STEP file is given: name one, or pass a solid")
         chosen = read_part(self.path, self.part)
         return Host(chosen.name, chosen.shape)
 
     def placement(self, size_mm: float) -> Placement:
         """Where a code of that edge lies. Raises `DesignError` with the reason and what works instead."""
         wish = Wish(self.face or None, self.point, self.direction, self.up)
-        return lay(self.host, place(self.host, wish, size_mm, self._problem), size_mm, wrap=self.wrap)
+        seen_mm = WRAP_SEEN * size_mm if self.wrap else size_mm
+        found = place(self.host, wish, seen_mm, self._problem)
+        laid = self._wrapped(found, size_mm) if self.wrap else projected(self.host, found)
+        laid.check(size_mm)
+        return laid
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
         """The imported solid with the pattern in its wall."""
@@ -75,19 +91,29 @@ class ImportedFace:
             walls = Walls(walls.draft_deg, walls.lip_mm, self.depth_mm)
         return carve(self.host, pattern.region, placement, walls)
 
+    def _wrapped(self, found: Survey, size_mm: float) -> Laid:
+        from perfqr_cad.solid.imported.wrap import survey_wrapped, wrapped
+
+        middle = found.front.shape[0] // 2
+        skin = self.host.skins[int(found.front[middle, middle])]
+        laid = wrapped(skin, found.frame, MARGIN * size_mm, found.thickness_mm)
+        laid.check(size_mm)
+        along = survey_wrapped(self.host.body, laid, size_mm)
+        if (reason := self._problem(along)) is not None:
+            raise DesignError(f"a code of {size_mm:.4g} mm cannot be wrapped here: {reason}; project it, move it or take it smaller")
+        return replace(laid, thickness_mm=along.thickness_mm)
+
     def _problem(self, found: Survey) -> str | None:
         limit = MAX_WALL_MODULES * found.size_mm / LEAST_MODULES
         return found.front_problem() or found.wall_problem(self.depth_mm, limit)
 
 
-def lay(host: Host, found: Survey, size_mm: float, *, wrap: bool) -> Laid:
-    """The placement of a code at a surveyed place, exact on the solid's faces."""
-    if wrap:
-        raise NotImplementedError
-    frame, span = found.frame, MARGIN * size_mm
+def projected(host: Host, found: Survey) -> Projected:
+    """The projection of a code at a surveyed place, exact on the solid's faces."""
+    frame, span = found.frame, MARGIN * found.size_mm
     line = np.linspace(-span / 2, span / 2, GRID)
     x, y = (a.ravel() for a in np.meshgrid(line, line))
-    near = survey(host.body, frame, size_mm, GRID)
+    near = survey(host.body, frame, found.size_mm, GRID)
     faces = near.front.ravel()
     flat = frame.to_space(np.column_stack([x, y, np.zeros(x.size)]))
     guesses = flat + np.outer(near.height_mm.ravel(), frame.axes[2])

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
     from OCP.TopoDS import TopoDS_Shape
 
+SAMPLE_MM = 0.02  # chord error of the outline that feels for the wall
 CLEARANCE = 0.2  # of the wall: how far tools stand out before and behind it
 
 
@@ -51,35 +52,46 @@ def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> To
     return BRepBuilderAPI_Transform(block, place, True).Shape()
 
 
-def carved_mesh(base: Triangles, holes: Sequence[Loop], laid: Laid, walls: Walls, wall_mm: float | None = None) -> Triangles:
-    """The base less all holes, closed and in one body. Raises `KernelError` when manifold3d objects."""
+def carved_mesh(body: Body, holes: Sequence[Loop], laid: Laid, walls: Walls) -> Triangles:
+    """The body less all holes, closed and in as many bodies as before.
+
+    Raises `KernelError` when manifold3d objects or something falls off.
+    """
     import manifold3d
 
-    solid = manifold_of(base)
-    tools = manifold3d.Manifold.compose([_tool(hole, laid, walls, wall_mm or laid.thickness_mm) for hole in holes])
-    result = solid - tools
+    solid = manifold_of(body.triangles)
+    result = solid - manifold3d.Manifold.compose([_tool(body, hole, laid, walls) for hole in holes])
     if result.status() != manifold3d.Error.NoError:
         raise KernelError(f"carving the mesh failed in manifold3d ({result.status().name}): move the code")
-    bodies = len(result.decompose())
-    if bodies != len(solid.decompose()):
-        raise KernelError(f"carving left {bodies} bodies instead of one: choose a thicker place or a larger code")
+    before, after = len(solid.decompose()), len(result.decompose())
+    if after > before:
+        raise KernelError(f"carving left {after - before} loose pieces: choose a thicker place or a larger code")
     return triangles_of(result)
 
 
-def _tool(hole: Loop, laid: Laid, walls: Walls, wall_mm: float) -> Manifold:
+def _tool(body: Body, hole: Loop, laid: Laid, walls: Walls) -> Manifold:
     """One hole as a closed mesh that stands out of the wall on both sides (a pocket: only in front)."""
-    margin = CLEARANCE * wall_mm
-    well = hole_wells((hole,), wall_mm, walls, False)[0]
-    far = well.levels[-1].depth_mm if well.floor else wall_mm + margin
-    depths = [0.0, *(level.depth_mm + margin for level in well.levels[1:-1]), far + margin]
-    levels = tuple(Level(d, False) for d in depths)
-    loops = tuple(loop.reversed() for loop in well.loops)
-    rim = Well(loops, levels)
+    lines, frames = laid.line(hole.flatten(SAMPLE_MM))
+    met = probe(body, lines, frames[:, 2])
+    front, wall = float(np.nanmax(met.offset_mm)), float(np.nanmax(met.wall_mm - np.minimum(met.offset_mm, 0)))
+    margin = CLEARANCE * wall + max(front, 0.0)
+    well = hole_wells((hole,), laid.thickness_mm, walls, False)[0]
+    # A flared through-hole goes on straight from the nominal back to the far end of an uneven wall.
+    depths = [level.depth_mm for level in well.levels]
+    loops = list(well.loops)
+    if not well.floor:
+        if len(loops) > 2 or loops[0] != loops[-1]:
+            depths.append(max(wall, depths[-1]) + margin)
+            loops.append(loops[-1])
+        else:
+            depths[-1] = wall + margin
+    levels = tuple(Level(d + margin if d else 0.0, False) for d in depths)
+    rim = Well(tuple(loop.reversed() for loop in loops), levels)
 
     def place(uv: Array, depth_mm: float) -> Array:
         return laid.at_depth(uv, depth_mm - margin)
 
-    return manifold_of(triangulate([rim], far + margin, place))
+    return manifold_of(triangulate([rim], levels[-1].depth_mm, place))
 
 
 def manifold_of(mesh: Triangles) -> Manifold:

@@ -1,0 +1,78 @@
+"""Geodesics on an exact face: the map that keeps lengths and directions from the code's centre.
+
+On planes, cylinders and cones it unrolls the face without any distortion.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from perfqr_cad.errors import DesignError
+from perfqr_cad.solid.imported.body import Array, Body
+from perfqr_cad.solid.imported.lay import Wrapped
+from perfqr_cad.solid.imported.skin import Skin
+from perfqr_cad.solid.imported.survey import FINE, INSET, Frame, Survey, probe
+
+GRID = 33  # points a side; the bicubic between them strays by h⁴/384 R³, 1e-6 mm for a code as wide as the radius
+STEPS = 12  # Runge-Kutta steps along each geodesic
+
+
+def wrapped(skin: Skin, frame: Frame, span_mm: float, thickness_mm: float) -> Wrapped:
+    """The geodesic wrap of a square of edge `span_mm` about the frame's origin."""
+    line = np.linspace(-span_mm / 2, span_mm / 2, GRID)
+    start = skin.parameters(frame.origin)
+    points = [[geodesic(skin, start, x * frame.axes[0] + y * frame.axes[1]) for x in line] for y in line]
+    return Wrapped(frame, span_mm, np.array(points), thickness_mm)
+
+
+def geodesic(skin: Skin, start: tuple[float, float], along: Array) -> tuple[float, float, float]:
+    """The point (3,) reached from a surface point by going straight along a tangent for its length, mm."""
+    (p, du, dv), _ = skin.derivatives(*start)
+    # The tangent in parameters: least squares in the tangent plane.
+    speed = np.linalg.lstsq(np.column_stack([du, dv]), along, rcond=None)[0]
+    state = np.array([*start, *speed])
+    step = 1.0 / STEPS
+    if not np.any(along):
+        return tuple(p)
+    for _ in range(STEPS):
+        k1 = _rate(skin, state)
+        k2 = _rate(skin, state + step / 2 * k1)
+        k3 = _rate(skin, state + step / 2 * k2)
+        k4 = _rate(skin, state + step * k3)
+        state = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return tuple(skin.derivatives(float(state[0]), float(state[1]))[0][0])
+
+
+def _rate(skin: Skin, state: Array) -> Array:
+    """The geodesic equation: the acceleration of the curve has no tangential part."""
+    u, v, su, sv = state.tolist()
+    (_, du, dv), (duu, dvv, duv) = skin.derivatives(u, v)
+    bend = duu * su * su + 2 * duv * su * sv + dvv * sv * sv
+    e, f, g = float(du @ du), float(du @ dv), float(dv @ dv)
+    a, b = -float(du @ bend), -float(dv @ bend)
+    det = e * g - f * f
+    if det <= 1e-18 * e * g or det == 0.0:
+        raise DesignError("the code cannot be wrapped over a pole of the surface: project it, or move it")
+    return np.array([su, sv, (a * g - b * f) / det, (b * e - a * f) / det])
+
+
+def survey_wrapped(body: Body, laid: Wrapped, size_mm: float) -> Survey:
+    """Sample the wall under a wrapped code, along the face's normals; heights count from the wrap itself."""
+    half = size_mm * (0.5 - INSET)
+    line = np.linspace(-half, half, FINE)
+    uv = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+    points, frames = laid.line(uv)
+    met = probe(body, points, frames[:, 2])
+    square = (FINE, FINE)
+    tilt = np.degrees(np.arccos(np.clip(met.normal @ laid.frame_at_centre.axes[2], -1, 1)))
+    return Survey(
+        laid.frame_at_centre,
+        size_mm,
+        met.offset_mm.reshape(square),
+        met.wall_mm.reshape(square),
+        np.where(np.isnan(met.offset_mm), np.nan, tilt).reshape(square),
+        np.einsum("kij,kj->ki", frames, met.normal).reshape(*square, 3),
+        met.front.reshape(square),
+        met.back.reshape(square),
+        met.hidden.reshape(square),
+    )
