@@ -13,7 +13,7 @@ from .chart import Chart
 from .curved_charts import ConeChart, HeightFieldChart, RevolvedChart
 from .expected import volume_mm3
 from .mesh import CHORD_MM, triangulate
-from .occ import EDGE, FACE, SOLID
+from .occ import EDGE, FACE, SOLID, explore
 from .plane_chart import PlaneChart
 from .punch import panel
 from .sections import wells
@@ -58,7 +58,7 @@ def build_region(
     with occ.kernel("building the solid", "simplify the outline or move the code to a smoother place"):
         shape = panel(stands, chart)
         volume = occ.volume(shape)
-        bbox = occ.bounds(shape)
+        bbox = occ.bounds(explore(shape, FACE)[:2])  # front and back: walls are ruled between their edges
     expected = volume_mm3(stands, placement)
     triangles = triangulate(stands, placement.thickness_mm, placement.at_depth, chord_mm=chord_mm, flat=placement.is_flat)
     problems = _problems(volume, expected, triangles, placement.is_flat)

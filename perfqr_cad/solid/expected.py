@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline, make_interp_spline
 
 from perfqr_cad.pattern.outline import Circle, Line, Segment
-from perfqr_cad.surface import Placement
+from perfqr_cad.surface import Placement, Revolved
 
 from .sampling import Array, derivatives
 from .sections import Well
@@ -77,6 +77,8 @@ def _swept(placement: Placement, depth_mm: float, box: tuple[Array, Array]) -> S
     """G at one depth. Its lower limit is free: over closed loops ∮ c(v) dv = 0."""
     if placement.is_flat:
         return lambda at: at[:, 0]
+    if isinstance(placement, Revolved):  # the same density all around
+        return lambda at: at[:, 0] * placement.volume_density(at * (0.0, 1.0), depth_mm)
     low, high = box
     u, v = np.linspace(low[0], high[0], TABLE), np.linspace(low[1], high[1], TABLE)
     grid = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)

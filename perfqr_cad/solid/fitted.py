@@ -27,7 +27,8 @@ from .sampling import positions, sweep
 if TYPE_CHECKING:
     from OCP.Geom import Geom_Surface
 
-FIT_MM = 1e-6  # between a fitted edge and the map: a tenth of what the volume check can see
+# Between a fitted edge and the map. Edges of modules keep 1e-8; the bound is for long edges over many knots.
+FIT_MM = 1e-5
 FEWEST, MOST = 4, 512  # pieces of an edge
 DEGREE = 3
 

@@ -28,6 +28,13 @@ Indices = NDArray[np.int64]
 
 CHORD_MM = 0.01  # greatest distance between mesh and surface; a twentieth of a printed layer
 
+# The corners of caps: a triangle's middle strays by up to 4/3 of what its sides' middles do on a sphere. Rings
+# are cut finer than that, or triangles beside them would be split for ever.
+CAP_SHARE = 0.75
+RING_SHARE = 0.4
+PROBES = 32  # steps at which the bend of a laid segment is measured
+MOST_ROUNDS = 30  # of halving: far more than any smooth surface takes
+
 
 class Map(Protocol):
     """Points (k, 3) of (k, 2) pattern points at a depth."""
@@ -91,10 +98,11 @@ def _pieces(wells: Sequence[Well], place: Map, chord_mm: float, flat: bool) -> I
                 segments.append(segment)
             row += 1
     for depth, (rows, segments) in by_depth.items():
-        # The sagitta of the laid segment falls with the square of the number of pieces.
-        laid = place(positions(segments, np.array([0.0, 0.5, 1.0])).reshape(-1, 2), depth).reshape(-1, 3, 3)
-        sagitta = np.linalg.norm(laid[:, 1] - (laid[:, 0] + laid[:, 2]) / 2, axis=1)
-        np.maximum.at(pieces, rows, np.ceil(np.sqrt(sagitta / chord_mm)).astype(np.int64))
+        laid = place(positions(segments, np.linspace(0, 1, PROBES + 1)).reshape(-1, 2), depth)
+        bend = np.linalg.norm(np.diff(laid.reshape(-1, PROBES + 1, 3), 2, axis=1), axis=2).max(axis=1)
+        # A second difference b over steps of 1/N is a sagitta of b (N/n)² / 8 in n pieces.
+        sharp = np.ceil(PROBES * np.sqrt(bend / (8 * RING_SHARE * chord_mm))).astype(np.int64)
+        np.maximum.at(pieces, rows, sharp)
     return pieces
 
 
@@ -171,22 +179,35 @@ def delaunay(polygons: Sequence[Array]) -> Indices:
 def refined(uv: Array, faces: Indices, place: Callable[[Array], Array], chord_mm: float) -> tuple[Array, Indices]:
     """Split inner edges at their midpoints until the laid triangles keep the chord tolerance.
 
-    Boundary edges are never split: the walls share them. On a sphere the middle of a triangle strays by up to
-    4/3 of what the middles of its edges do, hence the 3/4.
+    Boundary edges are never split: the walls share them. Raises `KernelError` on a creased surface.
     """
-    while True:
+    for _ in range(MOST_ROUNDS):
         sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         keys, side, uses = np.unique(sides[:, 0] * len(uv) + sides[:, 1], return_inverse=True, return_counts=True)
         ends = np.column_stack([keys // len(uv), keys % len(uv)])
-        laid = place(uv)
-        middle = uv[ends].mean(axis=1)
-        sagitta = np.linalg.norm(place(middle) - laid[ends].mean(axis=1), axis=1)
-        split = (uses == 2) & (sagitta > 0.75 * chord_mm)
+        sagitta = _sagitta(uv, ends, place)
+        split = (uses == 2) & (sagitta > CAP_SHARE * chord_mm)
         if not split.any():
             return uv, faces
         fresh = np.where(split, len(uv) + np.cumsum(split) - 1, -1)
-        uv = np.vstack([uv, middle[split]])
+        uv = np.vstack([uv, uv[ends[split]].mean(axis=1)])
         faces = _split(faces, fresh[side].reshape(-1, 3))
+    raise KernelError(
+        f"the surface does not flatten to triangles within {chord_mm:g} mm: move the code away from creases, "
+        "or allow a coarser mesh"
+    )
+
+
+def _sagitta(uv: Array, ends: Indices, place: Callable[[Array], Array]) -> Array:
+    """How far laid edges stray from their chords, at quarters: the middle alone is blind to an S."""
+    start, end = uv[ends[:, 0]], uv[ends[:, 1]]
+    laid = place(uv)
+    first, last = laid[ends[:, 0]], laid[ends[:, 1]]
+    strays = [
+        np.linalg.norm(place((1 - t) * start + t * end) - ((1 - t) * first + t * last), axis=1)
+        for t in (0.25, 0.5, 0.75)
+    ]
+    return np.max(strays, axis=0)
 
 
 def _split(faces: Indices, middles: Indices) -> Indices:

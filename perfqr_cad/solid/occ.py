@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
@@ -127,10 +127,12 @@ def area(shape: TopoDS_Shape) -> float:
     return properties.Mass()
 
 
-def bounds(shape: TopoDS_Shape) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Tight bounding box in mm: least and greatest corner, without tolerances."""
+def bounds(shapes: Sequence[TopoDS_Shape]) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Tight bounding box in mm of some shapes: least and greatest corner, without tolerances."""
     box = Bnd_Box()
-    BRepBndLib.AddOptimal_s(shape, box, False, False)
+    for shape in shapes:
+        BRepBndLib.AddOptimal_s(shape, box, False, False)
+    box.SetGap(0.0)
     low, high = box.CornerMin(), box.CornerMax()
     return (low.X(), low.Y(), low.Z()), (high.X(), high.Y(), high.Z())
 

@@ -135,8 +135,8 @@ class Revolution(Revolved):
         if (least := float(self._along(np.linspace(*self.span, 257))[:, 0].min())) <= self.thickness_mm:
             thinner("surface of revolution", self.thickness_mm, max(least, 0.0))
 
-    @property
-    def centre_radius_mm(self) -> float:
+    @cached_property
+    def centre_radius_mm(self) -> float:  # type: ignore[override]  # a property, kept
         return float(self.meridian(np.zeros(1))[0, 0])
 
     @cached_property
