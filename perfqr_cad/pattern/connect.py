@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from perfqr_cad.pattern.draft import Bar, Draft, Rect
-from perfqr_cad.pattern.lattice import Cells, label
+from perfqr_cad.pattern.lattice import Cells, Labels, discs, label
 from perfqr_cad.pattern.pattern import Optimality
-from perfqr_cad.pattern.routing import Field, Route, Router, brush_grid
+from perfqr_cad.pattern.routing import Field, Route, Router, brush_grid, brush_positions
 from perfqr_cad.pattern.sampling import (
     blur_weights,
     brightness,
@@ -19,7 +19,7 @@ from perfqr_cad.pattern.sampling import (
     sample_weights,
     sampled,
 )
-from perfqr_cad.pattern.spanning import Conflict, Link, cheapest, kruskal
+from perfqr_cad.pattern.spanning import Conflict, Link, cheapest, cheapest_without_loss, kruskal
 from perfqr_cad.symbol import Role, Symbol, layout
 
 AREA_PRICE = 0.02  # expected misread modules that a module's area of change is worth: appearance comes last
@@ -29,35 +29,83 @@ FINDER_PRICE = 8.0  # expected misread modules for painting over a module that a
 LENGTH_PRICE = 1e-3  # of the area price: of two routes that cost the same, the shorter
 STEPS_PER_MODULE = 4
 MOST_CONFLICT_ROUNDS = 6
+STAR_QUANTILE = 0.9  # of the tree's prices: no arm of a junction is dearer
 
 
 def join(
-    draft: Draft, symbol: Symbol, web_mm: float, solid_is_dark: bool, time_limit_s: float
+    draft: Draft, symbol: Symbol, scale: int, web_mm: float, solid_is_dark: bool, time_limit_s: float
 ) -> tuple[Draft, Optimality | None]:
     """All islands joined at the least cost over the candidate routes, and the proof."""
     labels, count = label(draft.solid)
     if count <= 1:
         return draft, Optimality(0.0, 0.0, 0.0, 0.0)
     lattice = draft.lattice
-    brush, step = lattice.whole(web_mm), lattice.per_module // STEPS_PER_MODULE
+    brush, step = lattice.whole(web_mm), brush_step(lattice.per_module, scale)
+    draft = stand_on_grid(draft, labels, count, brush, step)
+    labels, _ = label(draft.solid)
     grid = brush_grid(draft.solid, labels, cell_price(draft, symbol, solid_is_dark), brush, step)
     router = Router(grid, LENGTH_PRICE * AREA_PRICE * brush * step / lattice.per_module**2)
     pairs = router.pairs()
-    tree, _ = kruskal([Link(route.islands, route.price) for route in pairs])
-    candidates = pairs + router.stars(pairs, max(pairs[k].price for k in tree))
+    prices = [pairs[k].price for k in kruskal([Link(route.islands, route.price) for route in pairs])]
+    stars = router.stars(pairs, float(np.quantile(prices, STAR_QUANTILE)))
+    links = [Link(route.islands, route.price) for route in pairs + stars]
+    chosen, optimality = cheapest_without_loss(links[: len(pairs)], links[len(pairs) :], time_limit_s)
+    routes = [(pairs + stars)[k] for k in chosen]
+    routes = [router.drawn(route) if len(route.islands) > 2 else route for route in routes]
+    painted = _painted(draft, routes, brush)
     damage = Damage.of(draft, symbol, solid_is_dark)
+    if damage.joint(painted, routes, chosen, links, brush):
+        routes, optimality = _least_loss(draft, damage, pairs + routes, brush, time_limit_s)
+        painted = _painted(draft, routes, brush)
+    return painted, optimality
+
+
+def _painted(draft: Draft, routes: Sequence[Route], brush: int) -> Draft:
+    return draft.with_bars([bar for route in routes for bar in route_bars(route, brush)], "connectivity")
+
+
+def _least_loss(
+    draft: Draft, damage: Damage, candidates: Sequence[Route], brush: int, time_limit_s: float
+) -> tuple[list[Route], Optimality]:
+    """The routes that lose the fewest codewords, where every choice by price alone loses some."""
     links = [Link(r.islands, r.price, damage.codewords(r.rectangles(brush))) for r in candidates]
     conflicts: list[Conflict] = []
     for _ in range(MOST_CONFLICT_ROUNDS):
-        chosen, optimality = cheapest(links, conflicts, time_limit_s)
-        painted = draft.with_bars(
-            [bar for k in chosen for bar in route_bars(candidates[k], brush)], "connectivity"
-        )
-        found = damage.joint(painted, [candidates[k] for k in chosen], chosen, links, brush)
-        if not found:
+        chosen, optimality = cheapest(links, conflicts, time_limit_s / MOST_CONFLICT_ROUNDS)
+        routes = [candidates[k] for k in chosen]
+        more = damage.joint(_painted(draft, routes, brush), routes, chosen, links, brush)
+        if not more:
             break
-        conflicts += found
-    return painted, optimality
+        conflicts += more
+    return routes, optimality
+
+
+def brush_step(per_module: int, scale: int) -> int:
+    """Cells between brush positions: half a dot of the art, within an eighth and a quarter of a module."""
+    return min(max(per_module // (2 * scale), per_module // 8), per_module // STEPS_PER_MODULE)
+
+
+def stand_on_grid(draft: Draft, labels: Labels, count: int, brush: int, step: int) -> Draft:
+    """Widens the islands on which the brush has no position on its grid, so that it has."""
+    at = brush_positions(len(draft.solid), brush, step)
+    held = discs(draft.solid, brush)
+    middle = np.ix_(at + brush // 2, at + brush // 2)
+    reached = np.zeros(count + 1, np.bool_)
+    reached[0] = True
+    reached[labels[middle][held[np.ix_(at, at)]]] = True
+    if reached.all():
+        return draft
+    import cv2
+
+    depth = cv2.distanceTransform(draft.solid.astype(np.uint8), cv2.DIST_L2, 5)
+    ys, xs = np.nonzero(~reached[labels])
+    order = np.lexsort((-depth[ys, xs], labels[ys, xs]))
+    first = order[np.unique(labels[ys, xs][order], return_index=True)[1]]
+    widened = np.zeros_like(draft.solid)
+    for y, x in zip(ys[first].tolist(), xs[first].tolist(), strict=True):
+        left, top = (int(at[np.abs(at + brush // 2 - k).argmin()]) for k in (x, y))
+        widened[min(y, top) : max(y + 1, top + brush), min(x, left) : max(x + 1, left + brush)] = True
+    return draft.with_cells(widened, solid=True).counted(webs_grown=len(first))
 
 
 def cell_price(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Field:

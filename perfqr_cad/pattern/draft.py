@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import NamedTuple
@@ -13,6 +13,7 @@ import numpy as np
 
 from perfqr_cad.pattern.bridge import Bridge, Stage
 from perfqr_cad.pattern.lattice import Cells, Lattice, checkerboards
+from perfqr_cad.pattern.sampling import brightness
 
 MAX_LINK_ROUNDS = 8  # a link may make its neighbours touch at a corner; each round only joins more
 
@@ -126,26 +127,66 @@ def strip(bridge: Bridge) -> list[tuple[float, float]]:
     ]
 
 
-def link_corners(draft: Draft, web_mm: float) -> Draft:
+def link_corners(draft: Draft, web_mm: float, gap_mm: float, right_solid: Cells) -> Draft:
     """Joins solid cells that meet at a corner only, by a 45° band of the least web.
 
     A corner left as it is would be a non-manifold edge of the solid. The band takes a triangle from each of
-    the two voids, the least area of all shapes that leave a neck of the given width.
+    the two voids, the least area of all shapes that leave a neck of the given width. Where that would turn a
+    module wrong, the corner is parted by the least gap instead.
+
+    right_solid  (n, n) modules that ought to be material
     """
-    leg = draft.lattice.whole(web_mm / math.sqrt(2))
+    parted: set[tuple[int, int]] = set()
+    for _ in range(MAX_LINK_ROUNDS):
+        linked = _linked(draft, web_mm, gap_mm, parted)
+        harmed = ((brightness(draft.lattice) >= 0.5) == right_solid) & (
+            (brightness(linked.lattice) >= 0.5) != right_solid
+        )
+        guilty = _corners_near(draft, harmed) - parted
+        if not guilty:
+            return linked
+        parted |= guilty
+    return linked
+
+
+def _corners_near(draft: Draft, modules: Cells) -> set[tuple[int, int]]:
+    """Checkerboard corners within the given modules, x and y."""
+    if not modules.any():
+        return set()
+    lattice = draft.lattice
+    u, edge = lattice.per_module, lattice.quiet * lattice.per_module
+    corners = checkerboards(draft.upright)
+    # A corner on the edge between two modules belongs to both; the centre decides, so rounding may go either way.
+    column, row = ((corners - edge) // u).T
+    inside = (column >= 0) & (row >= 0) & (column < len(modules)) & (row < len(modules))
+    column, row, corners = column[inside], row[inside], corners[inside]
+    return {(int(x), int(y)) for x, y in corners[modules[row, column]]}
+
+
+def _linked(draft: Draft, web_mm: float, gap_mm: float, parted: set[tuple[int, int]]) -> Draft:
+    """Every corner joined or, if it is named, parted; joining may make others touch, so it is repeated."""
+    lattice = draft.lattice
+    # One cell more than the neck needs: where a stair is cut by other work its cells alone must hold.
+    web_leg = lattice.whole(web_mm / math.sqrt(2)) + 1
+    gap_leg = lattice.whole(gap_mm / math.sqrt(2))
     for _ in range(MAX_LINK_ROUNDS):
         corners = checkerboards(draft.upright)
         if not len(corners):
-            return draft
+            break
         solid, upright, laid = draft.solid.copy(), draft.upright.copy(), []
         for x, y in corners.tolist():
             falling = bool(draft.upright[y - 1, x - 1])  # solid at the top left and the bottom right
-            for paint in (solid, upright):
-                _paint_band(paint, x, y, leg, falling)
-            laid.append(_corner_bridge(draft.lattice, x, y, leg, falling))
-        lattice = draft.lattice.with_solid(solid)
-        draft = replace(draft, lattice=lattice, upright=upright, bridges=(*draft.bridges, *laid))
-    return draft
+            if (x, y) in parted:
+                for cells in (solid, upright):
+                    _cut_band(cells, x, y, gap_leg, not falling)
+                continue
+            for cells in (solid, upright):
+                _paint_band(cells, x, y, web_leg, falling)
+            laid.append(_corner_bridge(lattice, x, y, web_leg, falling))
+        draft = replace(
+            draft, lattice=lattice.with_solid(solid), upright=upright, bridges=(*draft.bridges, *laid)
+        )
+    return draft.counted(corners_parted=len(parted))
 
 
 def _paint_band(solid: Cells, x: int, y: int, leg: int, falling: bool) -> None:
@@ -153,15 +194,27 @@ def _paint_band(solid: Cells, x: int, y: int, leg: int, falling: bool) -> None:
 
     The stairs of their cells are read back as straight 45° edges when the outline is drawn.
     """
-    reach = min(leg, x, y, solid.shape[1] - x, solid.shape[0] - y)
-    triangle = _triangle(leg)[:reach, :reach]
+    for quarter, triangle in _quarters(solid, x, y, _triangle(leg), falling):
+        quarter |= triangle
+
+
+def _cut_band(solid: Cells, x: int, y: int, leg: int, falling: bool) -> None:
+    """Cuts the two triangles with the given legs that part a corner; the slope is that of the gap."""
+    for quarter, triangle in _quarters(solid, x, y, _triangle(leg + 1), falling):
+        quarter &= ~triangle
+
+
+def _quarters(solid: Cells, x: int, y: int, triangle: Cells, falling: bool) -> Iterator[tuple[Cells, Cells]]:
+    """The two quarters beside a diagonal band through a point, each with the triangle turned to fit it."""
+    reach = min(len(triangle), x, y, solid.shape[1] - x, solid.shape[0] - y)
+    triangle = triangle[:reach, :reach]
     above, below = solid[y - reach : y, x - reach : x + reach], solid[y : y + reach, x - reach : x + reach]
     if falling:
-        above[:, reach:] |= triangle[::-1]
-        below[:, :reach] |= triangle[:, ::-1]
+        yield above[:, reach:], triangle[::-1]
+        yield below[:, :reach], triangle[:, ::-1]
     else:
-        above[:, :reach] |= triangle[::-1, ::-1]
-        below[:, reach:] |= triangle
+        yield above[:, :reach], triangle[::-1, ::-1]
+        yield below[:, reach:], triangle
 
 
 @cache

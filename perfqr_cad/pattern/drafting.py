@@ -8,11 +8,12 @@ from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.connect import join
 from perfqr_cad.pattern.draft import Bar, Draft, Rect, link_corners
 from perfqr_cad.pattern.finder import bars
-from perfqr_cad.pattern.finish import Job, finish
+from perfqr_cad.pattern.finish import Job, finish, mended
 from perfqr_cad.pattern.lattice import Lattice, draw, label
 from perfqr_cad.pattern.pattern import Pattern
 from perfqr_cad.pattern.size import module_size
 from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.pattern.tidy import fill_slivers, tidy
 from perfqr_cad.symbol import Symbol
 
 if TYPE_CHECKING:
@@ -25,13 +26,19 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     DesignError when the size is too small for the nozzle, or the result could not be read.
     """
     module_mm, reason = module_size(symbol, spec, art)
+    solid_is_dark = spec.tone == "inverted"
+    right_solid = symbol.matrix.dark == solid_is_dark
     asked = _asked(symbol, spec, art, module_mm)
-    draft = Draft(asked, asked.solid, asked.solid)
     _, islands = label(asked.solid)
+    web, gap = asked.whole(spec.web_mm), asked.whole(spec.gap_mm)
+    draft = tidy(Draft(asked, asked.solid, asked.solid), right_solid, web, gap)
     draft = tie_rings(draft, symbol, spec)
-    draft = link_corners(draft, spec.web_mm)
-    draft, optimality = join(draft, symbol, spec.web_mm, spec.tone == "inverted", spec.time_limit_s)
-    draft = link_corners(draft, spec.web_mm)
+    draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
+    scale = 1 if art is None else art.scale
+    draft, optimality = join(draft, symbol, scale, spec.web_mm, solid_is_dark, spec.time_limit_s)
+    draft = fill_slivers(draft, right_solid, gap)
+    draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
+    draft = mended(draft, spec)
     return finish(draft, Job(symbol, spec, islands, reason, optimality))
 
 

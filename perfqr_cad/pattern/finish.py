@@ -21,6 +21,7 @@ from perfqr_cad.symbol import Matrix, Symbol, readability
 if TYPE_CHECKING:
     from shapely.geometry import Polygon
 
+MOST_MENDS = 4  # rounds; a mend can only join
 WEB_TOL = 0.01  # of the least web: rounding of coordinates and of the arcs of the eroding disc
 
 
@@ -37,9 +38,42 @@ class Job:
 
 def finish(draft: Draft, job: Job | Pattern) -> Pattern:
     """The pattern of a draft. DesignError when it is not one piece with the least web throughout."""
+    region = outline(draft.lattice, draft.upright, draft.slanted)
+    pieces = web_pieces(region.polygon(), job.spec.web_mm)
+    if len(pieces) != 1:
+        raise DesignError(
+            f"webs under {job.spec.web_mm:g} mm hold the pattern: without them {len(pieces)} pieces are left,"
+            " 1 is needed; use a larger --size or a finer nozzle"
+        )
+    return _pattern(draft, region, job)
+
+
+def mended(draft: Draft, spec: PatternSpec) -> Draft:
+    """The draft with a bridge wherever something thinner than the least web holds a piece."""
+    from shapely.ops import nearest_points
+
+    for _ in range(MOST_MENDS):
+        pieces = web_pieces(outline(draft.lattice, draft.upright, draft.slanted).polygon(), spec.web_mm)
+        pieces.sort(key=lambda piece: piece.area)
+        for k, piece in enumerate(pieces[:-1]):
+            other = min(pieces[k + 1 :], key=piece.distance)
+            start, end = ((p.x, p.y) for p in nearest_points(piece, other))
+            draft = draft.with_slanted(Bridge(start, end, spec.web_mm, "connectivity", 0.0))
+        if len(pieces) <= 1:
+            break
+    return draft
+
+
+def web_pieces(polygon: Polygon, web_mm: float) -> list[Polygon]:
+    """What is left of a polygon after erosion by half the least web."""
+    import shapely
+
+    eroded = polygon.buffer(-web_mm / 2 * (1 - WEB_TOL), quad_segs=4)
+    return [piece for piece in shapely.get_parts(eroded) if not piece.is_empty]
+
+
+def _pattern(draft: Draft, region: Region, job: Job | Pattern) -> Pattern:
     lattice, spec = draft.lattice, job.spec
-    region = outline(lattice, draft.upright, draft.slanted)
-    check_web(region.polygon(), spec.web_mm)
     observed = Matrix((brightness(lattice) >= 0.5) == (spec.tone == "inverted"))
     changed = int(np.count_nonzero(lattice.solid ^ draft.asked)) * lattice.cell_mm**2
     return Pattern(
@@ -58,17 +92,6 @@ def finish(draft: Draft, job: Job | Pattern) -> Pattern:
         size_reason=job.size_reason,
         draft=draft,
     )
-
-
-def check_web(polygon: Polygon, web_mm: float) -> None:
-    """DesignError unless the polygon stays one piece after erosion by half the least web."""
-    eroded = polygon.buffer(-web_mm / 2 * (1 - WEB_TOL), quad_segs=4)
-    if eroded.geom_type != "Polygon" or eroded.is_empty:
-        pieces = len(getattr(eroded, "geoms", ()))
-        raise DesignError(
-            f"webs under {web_mm:g} mm hold the pattern: without them {pieces} pieces are left, 1 is needed;"
-            " use a larger --size or a finer nozzle"
-        )
 
 
 def outline(lattice: Lattice, upright: Cells, slanted: Sequence[Bridge]) -> Region:

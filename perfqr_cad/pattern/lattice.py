@@ -22,6 +22,7 @@ Labels = NDArray[np.int32]
 Indices = NDArray[np.int64]
 
 LEAST_CELLS_PER_MODULE = 24  # webs are snapped up to a 24th of a module at worst
+LEAST_CELLS_OF_ART = 36  # the same for modules that are made of dots
 CELL_ROUNDING = 1e-6  # of a cell: a width this close to a whole number of cells is that number
 
 
@@ -81,7 +82,7 @@ class Lattice:
 def cells_per_module(scale: int) -> int:
     """The least even multiple of the art's samples per module that is fine enough."""
     step = 2 * scale
-    return step * math.ceil(LEAST_CELLS_PER_MODULE / step)
+    return step * math.ceil((LEAST_CELLS_PER_MODULE if scale == 1 else LEAST_CELLS_OF_ART) / step)
 
 
 def draw(material: Cells, scale: int, quiet: int, module_mm: float, frame: bool) -> Lattice:
@@ -116,6 +117,18 @@ def erode(solid: Cells, side: int) -> Cells:
     kernel = np.ones((side, side), np.uint8)
     eroded = cv2.erode(
         solid.astype(np.uint8), kernel, anchor=(0, 0), borderType=cv2.BORDER_CONSTANT, borderValue=0
+    )
+    return np.asarray(eroded, np.bool_)
+
+
+def discs(solid: Cells, side: int) -> Cells:
+    """Cells that are the top left of a square of `side` cells whose inscribed disc is solid."""
+    import cv2
+
+    offset = np.arange(side) + 0.5 - side / 2
+    disc = (offset[:, None] ** 2 + offset[None, :] ** 2 <= side**2 / 4).astype(np.uint8)
+    eroded = cv2.erode(
+        solid.astype(np.uint8), disc, anchor=(0, 0), borderType=cv2.BORDER_CONSTANT, borderValue=0
     )
     return np.asarray(eroded, np.bool_)
 

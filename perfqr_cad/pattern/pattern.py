@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
+from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.outline import Region
 from perfqr_cad.pattern.spec import PatternSpec
@@ -68,7 +70,24 @@ class Pattern:
         return self.region.polygon()
 
     def with_bridge(self, bridge: Bridge) -> Pattern:
-        """The pattern with one more bridge, sampled again. DesignError when a web becomes too thin."""
+        """The pattern with one more bridge, sampled again; see `with_bridges`."""
+        return self.with_bridges((bridge,))
+
+    def with_bridges(self, bridges: Iterable[Bridge]) -> Pattern:
+        """The pattern with more bridges, at any angle, sampled again.
+
+        DesignError when a web is too thin or when the code can no longer be read.
+        """
         from perfqr_cad.pattern.finish import finish
 
-        return finish(self.draft.with_slanted(bridge), self)
+        draft = self.draft
+        for bridge in bridges:
+            draft = draft.with_slanted(bridge)
+        pattern = finish(draft, self)
+        if math.isinf(pattern.readability.total) and math.isfinite(self.readability.total):
+            errors, capacity = max(pattern.readability.errors), min(pattern.readability.capacity)
+            raise DesignError(
+                f"the bridges leave {errors} wrong codewords in a block, {capacity} can be corrected:"
+                " place them elsewhere or raise the error correction level"
+            )
+        return pattern

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.pattern.lattice import Cells, Indices, Labels, erode
+from perfqr_cad.pattern.lattice import Cells, Indices, Labels, discs
 
 Field = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ class BrushGrid:
     """Brush positions and what it costs to move between neighbours.
 
     xs, ys     (kx,), (ky,) cells of the brush's top left corner
-    island     (ky, kx) island that holds the brush entirely, 0 for none
+    island     (ky, kx) island that holds the disc inside the brush, 0 for none
     across     (ky, kx-1) price of a step to the right; `down` (ky-1, kx) of a step down
     brush      side of the brush, cells
     """
@@ -71,14 +71,18 @@ def _stretches(arm: Indices, brush: int) -> list[tuple[int, int, int, int]]:
     return runs
 
 
+def brush_positions(size: int, brush: int, step: int) -> Indices:
+    """Cells at which the brush's corner may lie, so that it can stand centred on every multiple of the step."""
+    return np.arange((-(brush // 2)) % step, size - brush + 1, step)
+
+
 def brush_grid(solid: Cells, labels: Labels, price: Field, brush: int, step: int) -> BrushGrid:
     """The brush grid of a lattice; `price` is per cell, and counts in void cells only."""
     size = solid.shape[0]
-    # Positions are laid so that the brush can stand centred on every multiple of the step.
-    first = (-(brush // 2)) % step
-    at = np.arange(first, size - brush + 1, step)
-    inside = erode(solid, brush)[np.ix_(at, at)]
-    island = np.where(inside, labels[np.ix_(at, at)], 0).astype(np.int32)
+    at = brush_positions(size, brush, step)
+    inside = discs(solid, brush)[np.ix_(at, at)]
+    middle = at + brush // 2
+    island = np.where(inside, labels[np.ix_(middle, middle)], 0).astype(np.int32)
     total = np.zeros((size + 1, size + 1))
     np.cumsum(np.cumsum(np.where(solid, 0.0, price), axis=0), axis=1, out=total[1:, 1:])
     # A step paints the strip ahead one way and the strip behind the other way: the mean serves both.
@@ -108,7 +112,7 @@ class Router:
 
         steps = self._steps
         self._reach, before, origin = dijkstra(
-            self._graph, directed=False, indices=steps.islands, min_only=True, return_predecessors=True
+            self._graph, indices=steps.islands, min_only=True, return_predecessors=True
         )
         a, b = steps.alias[steps.start], steps.alias[steps.end]
         price = self._reach[a] + steps.price + self._reach[b]
@@ -126,48 +130,56 @@ class Router:
         return found
 
     def stars(self, pairs: Sequence[Route], limit: float) -> list[Route]:
-        """Junctions of three islands that are cheaper than any two of their `pairs`; no arm costs over `limit`."""
+        """Junctions of three islands cheaper than any two of their `pairs`, no arm over `limit`.
+
+        Their arms are not drawn yet: `drawn` does that for those that are chosen.
+        """
         from scipy.sparse.csgraph import dijkstra
 
-        near = np.flatnonzero(self._reach <= limit)
-        graph = self._graph[near][:, near]
-        islands = np.flatnonzero(near >= len(self._steps.alias))
-        junctions = int(np.searchsorted(near, len(self._steps.alias)))
-        price = np.full((4, junctions), np.inf)
-        owner = np.zeros((4, junctions), np.int64)
+        self._near = np.flatnonzero(self._reach <= limit)
+        self._nearby = self._graph[self._near][:, self._near]
+        islands = np.flatnonzero(self._near >= len(self._steps.alias))
+        junctions = int(np.searchsorted(self._near, len(self._steps.alias)))
+        price = np.full((3, junctions), np.inf)
+        owner = np.zeros((3, junctions), np.int64)
         for island in islands.tolist():
-            price[3] = dijkstra(graph, directed=False, indices=island, limit=limit)[:junctions]
-            owner[3] = island
-            order = np.argsort(price, axis=0, kind="stable")
-            price, owner = np.take_along_axis(price, order, 0), np.take_along_axis(owner, order, 0)
-        return self._best_stars(near, graph, price[:3], owner[:3], pairs)
+            arm = dijkstra(self._nearby, indices=island, limit=limit)[:junctions]
+            _insert(price, owner, arm, island)
+        return self._best_stars(price, owner, pairs)
 
-    def _best_stars(
-        self, near: Indices, graph: Any, price: Field, owner: Indices, pairs: Sequence[Route]
-    ) -> list[Route]:
+    def _best_stars(self, price: Field, owner: Indices, pairs: Sequence[Route]) -> list[Route]:
         """The cheapest junction of each three islands, where it beats the two cheapest of their pairs."""
+        known = {frozenset(route.islands): route.price for route in pairs}
+        whole = np.flatnonzero(np.isfinite(price[2]))
+        total = price[:, whole].sum(axis=0)
+        trios = np.sort(owner[:, whole], axis=0)
+        size = len(self._near)
+        code = (trios[0] * size + trios[1]) * size + trios[2]
+        order = np.lexsort((total, code))
+        first = order[np.unique(code[order], return_index=True)[1]]
+        found: list[Route] = []
+        for k in first.tolist():
+            names = tuple(self._name(int(self._near[i])) for i in trios[:, k])
+            links = sorted(known.get(frozenset(pair), np.inf) for pair in combinations(names, 2))
+            if total[k] < links[0] + links[1] - PRICE_TOL:
+                junction = np.array([[self._near[whole[k]]]])
+                found.append(Route(names, (junction,), float(total[k])))
+        return found
+
+    def drawn(self, star: Route) -> Route:
+        """A star with its arms drawn."""
         from scipy.sparse.csgraph import dijkstra
 
-        known = {frozenset(route.islands): route.price for route in pairs}
-        whole = np.flatnonzero(np.isfinite(price).all(axis=0))
-        total = price[:, whole].sum(axis=0)
-        best: dict[tuple[int, ...], tuple[float, int]] = {}
-        for k in np.argsort(total, kind="stable").tolist():
-            best.setdefault(tuple(sorted(owner[:, whole[k]].tolist())), (float(total[k]), int(whole[k])))
-        found: list[Route] = []
-        for three, (sum_price, at) in best.items():
-            names = [self._name(int(near[i])) for i in three]
-            links = sorted(known.get(frozenset(pair), np.inf) for pair in combinations(names, 2))
-            if sum_price >= links[0] + links[1] - PRICE_TOL:
-                continue
-            arms: list[Indices] = []
-            for island in three:
-                before = dijkstra(graph, directed=False, indices=island, return_predecessors=True)[1]
-                full = np.full(self._graph.shape[0], -1, np.int64)
-                full[near] = np.where(before >= 0, near[before], -1)
-                arms.append(self._corners(self._steps.trail(int(near[at]), full)))
-            found.append(Route(tuple(names), tuple(arms), sum_price))
-        return found
+        at = int(star.arms[0][0, 0])
+        arms: list[Indices] = []
+        for name in star.islands:
+            node = len(self._steps.alias) + int(np.searchsorted(self._steps.names, name))
+            source = int(np.searchsorted(self._near, node))
+            before = dijkstra(self._nearby, indices=source, limit=star.price, return_predecessors=True)[1]
+            full = np.full(self._graph.shape[0], -1, np.int64)
+            full[self._near] = np.where(before >= 0, self._near[np.maximum(before, 0)], -1)
+            arms.append(self._corners(self._steps.trail(at, full)))
+        return Route(star.islands, tuple(arms), star.price)
 
     def _corners(self, way: Sequence[int]) -> Indices:
         rows, columns = np.divmod(np.array(way), self._grid.shape[1])
@@ -179,6 +191,16 @@ class Router:
     def _name(self, node: int) -> int:
         """The island of a node."""
         return int(self._steps.names[node - len(self._steps.alias)])
+
+
+def _insert(price: Field, owner: Indices, arm: Field, island: int) -> None:
+    """Puts an island's arms in their place among the three cheapest of each junction, in place."""
+    at = np.flatnonzero(arm < price[2])
+    arms = np.concatenate([price[:, at], arm[None, at]])
+    owners = np.concatenate([owner[:, at], np.full((1, len(at)), island)])
+    order = np.argsort(arms, axis=0, kind="stable")[:3]
+    price[:, at] = np.take_along_axis(arms, order, 0)
+    owner[:, at] = np.take_along_axis(owners, order, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +232,7 @@ class _Steps:
         return _Steps(start[apart], end[apart], price[apart], alias, islands, names, grid)
 
     def graph(self) -> Any:
-        """Sparse matrix of the cheapest move between any two nodes."""
+        """Sparse matrix of the cheapest move between any two nodes, both ways."""
         from scipy.sparse import csr_array
 
         low = np.minimum(self.alias[self.start], self.alias[self.end])
@@ -218,7 +240,8 @@ class _Steps:
         order = np.lexsort((self.price, high, low))
         nodes = len(self.alias) + len(self.islands)
         keep = order[np.unique(low[order] * nodes + high[order], return_index=True)[1]]
-        return csr_array((self.price[keep], (low[keep], high[keep])), shape=(nodes, nodes))
+        one_way = csr_array((self.price[keep], (low[keep], high[keep])), shape=(nodes, nodes))
+        return (one_way + one_way.T).tocsr()
 
     def trail(self, position: int, before: NDArray[Any]) -> list[int]:
         """Positions from one back to the island that reached it, the first inside the island included."""

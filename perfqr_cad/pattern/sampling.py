@@ -21,7 +21,7 @@ Field = NDArray[np.float64]
 
 CENTRE_PART = 1 / 3  # §4.2: the part of a module's width that a reader samples
 SAMPLE_SIGMA = 1 / 6  # of a module: the spread of sampling points (Chu et al., Halftone QR Codes, §4)
-BLUR_SIGMA = 0.30  # of a module: a sharp reading at 3.3 pixels a module blurred by one pixel
+BLUR_SIGMA = 0.20  # of a module: a view of 5 pixels a module blurred by one pixel
 NOISE_SIGMA = 0.15  # of the contrast: pixel noise and the threshold's own error together
 REACH = 1.5  # modules: beyond five sigmas of blur nothing arrives
 

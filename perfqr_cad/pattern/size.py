@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.pattern.lattice import cells_per_module
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.symbol import Symbol
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 WEBS_PER_MODULE = (
     1.5  # a route along a module edge takes half a web of each side: at most a third of the module
 )
+DOT_STEP = 1.01  # dots are tried in steps of a hundredth
 SIZE_STEP_MM = 0.1  # a size that is picked is rounded up to a tenth of a millimetre
 
 
@@ -30,12 +32,11 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
                 f" {least_module:.3g} mm ({reason}): use --size {least_size:g} or more, or a finer nozzle"
             )
         return spec.size_mm / modules, "as asked"
-    scale = 1 if art is None or art.kind != "halftone" else art.scale
-    if scale * spec.web_mm > least_module:
-        least_module, reason = (
-            scale * spec.web_mm,
-            f"{scale} dots of the art across, each a web of {spec.web_mm:g} mm",
-        )
+    if art is not None and art.kind == "halftone":
+        dot_mm = _least_dot(spec, cells_per_module(art.scale) // art.scale)
+        if art.scale * dot_mm > least_module:
+            least_module = art.scale * dot_mm
+            reason = f"{art.scale} dots of {dot_mm:.3g} mm across, each wide enough for a web of {spec.web_mm:g} mm"
     return _rounded_up(least_module * modules) / modules, f"module {least_module:.3g} mm: {reason}"
 
 
@@ -45,6 +46,17 @@ def _least_module(spec: PatternSpec) -> tuple[float, str]:
     if by_gap > by_web:
         return by_gap, f"a web of {spec.web_mm:g} mm and a gap of {spec.gap_mm:g} mm side by side"
     return by_web, f"{WEBS_PER_MODULE:g} webs of {spec.web_mm:g} mm"
+
+
+def _least_dot(spec: PatternSpec, cells: int) -> float:
+    """Edge of the least dot of art, mm: it holds a web between two corners parted by a gap, in whole cells."""
+    dot_mm = max(spec.web_mm, (spec.web_mm + spec.gap_mm) / math.sqrt(2))
+    while True:
+        cell_mm = dot_mm / cells
+        parted = math.ceil(spec.gap_mm / math.sqrt(2) / cell_mm)
+        if (cells - parted) / math.sqrt(2) * cell_mm >= spec.web_mm / 2:
+            return dot_mm
+        dot_mm *= DOT_STEP
 
 
 def _rounded_up(size_mm: float) -> float:

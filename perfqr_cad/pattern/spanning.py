@@ -1,21 +1,28 @@
 """The cheapest set of links that joins all islands, with a proof (HiGHS).
 
-A link joins two islands, or three through a junction, at a price; some links cost codewords, which are paid once
-however many links share them. This is the minimum spanning tree problem in a hypergraph with fixed charges:
+A link joins two islands, or three through a junction, at a price; some links cost codewords, which are paid
+once however many links share them. This is the minimum spanning tree problem in a hypergraph with fixed
+charges:
 
     minimise    Σ price·x + CODEWORD_PRICE·Σ y
     subject to  Σ (parts that F touches − 1)·x_F ≥ parts − 1    for partitions of the islands
                 x_F ≤ y_c                                       for each codeword c that F loses
 
-The partitions that Kruskal's algorithm passes through make the linear relaxation exact for plain trees; the pieces
-of a solution that is not connected give the next inequality, until it is.
+The partitions that Kruskal's algorithm passes through make the linear relaxation exact for plain trees; the
+pieces of a solution that is not connected give the next inequality, until it is.
+
+Without lost codewords the problem falls apart: an optimal choice needs no pair outside the minimum spanning tree
+of the pairs, and no junction that is dearer than the tree's edges it makes superfluous. Edges that no junction
+could replace are taken, and what is left are small blocks, solved one by one.
 """
 
 from __future__ import annotations
 
 import time
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -35,6 +42,10 @@ class Link:
     price: float
     codewords: frozenset[int] = frozenset()
 
+    @property
+    def full_price(self) -> float:
+        return self.price + CODEWORD_PRICE * len(self.codewords)
+
 
 @dataclass(frozen=True)
 class Conflict:
@@ -44,21 +55,99 @@ class Conflict:
     codewords: frozenset[int]
 
 
-def kruskal(links: Sequence[Link]) -> tuple[list[int], list[dict[int, int]]]:
-    """Links of a spanning tree by rising price, and the partition (island to part) before each price level."""
+def kruskal(links: Sequence[Link], taken: Sequence[int] = ()) -> list[int]:
+    """Links of a spanning tree by rising price, after those that are taken already."""
     forest = _Forest(i for link in links for i in link.islands)
-    chosen: list[int] = []
-    partitions = [forest.partition()]
-    level = None
-    for k in sorted(range(len(links)), key=lambda k: _full_price(links[k])):
-        if not forest.parts_of(links[k].islands) > 1:
-            continue
-        if level is not None and _full_price(links[k]) > level + PRICE_TOL:
-            partitions.append(forest.partition())
-        level = _full_price(links[k])
+    for k in taken:
         forest.join(links[k].islands)
-        chosen.append(k)
-    return chosen, partitions
+    chosen = list(taken)
+    for k in sorted(range(len(links)), key=lambda k: links[k].full_price):
+        if forest.parts_of(links[k].islands) > 1:
+            forest.join(links[k].islands)
+            chosen.append(k)
+    return chosen
+
+
+class Tree:
+    """A spanning tree of pairs, asked which of its edges a junction would make superfluous."""
+
+    def __init__(self, links: Sequence[Link], chosen: Sequence[int]) -> None:
+        self._links = links
+        around: dict[int, list[tuple[int, int]]] = defaultdict(list)
+        for k in chosen:
+            a, b = links[k].islands
+            around[a].append((b, k))
+            around[b].append((a, k))
+        root = min(around)
+        self._up: dict[int, tuple[int, int]] = {}
+        self._depth = {root: 0}
+        queue = [root]
+        for island in queue:
+            for other, k in around[island]:
+                if other not in self._depth:
+                    self._depth[other] = self._depth[island] + 1
+                    self._up[other] = island, k
+                    queue.append(other)
+
+    def between(self, a: int, b: int) -> list[int]:
+        """Edges of the way from one island to another."""
+        edges: list[int] = []
+        while a != b:
+            if self._depth[a] < self._depth[b]:
+                a, b = b, a
+            a, k = self._up[a]
+            edges.append(k)
+        return edges
+
+    def spanned(self, islands: Sequence[int]) -> tuple[set[int], float]:
+        """Edges of the subtree that joins the islands, and what the dearest that a junction replaces cost."""
+        edges: set[int] = set()
+        saved = 0.0
+        for a, b in pairwise(islands):
+            edges.update(self.between(a, b))
+        joined = _Forest(i for k in edges for i in self._links[k].islands)
+        joined.join(islands)
+        for k in sorted(edges, key=lambda k: self._links[k].price):
+            if joined.parts_of(self._links[k].islands) > 1:
+                joined.join(self._links[k].islands)
+            else:
+                saved += self._links[k].price
+        return edges, saved
+
+
+def cheapest_without_loss(
+    pairs: Sequence[Link], stars: Sequence[Link], time_limit_s: float
+) -> tuple[list[int], Optimality]:
+    """Indices into pairs + stars of the cheapest choice when no link costs a codeword, and the proof."""
+    began = time.perf_counter()
+    links = [*pairs, *stars]
+    chosen = kruskal(pairs)
+    tree = Tree(pairs, chosen)
+    blocks = _Forest(chosen)
+    useful: list[tuple[int, set[int]]] = []
+    for k, star in enumerate(stars, start=len(pairs)):
+        edges, saved = tree.spanned(star.islands)
+        if saved > star.price + PRICE_TOL:
+            useful.append((k, edges))
+            blocks.join(sorted(edges))
+    members: dict[int, list[int]] = defaultdict(list)
+    for k in chosen:
+        members[blocks.find(k)].append(k)
+    for k, edges in useful:
+        members[blocks.find(min(edges))].append(k)
+    result: list[int] = []
+    bound = 0.0
+    for group in members.values():
+        if len(group) == 1 or all(k < len(pairs) for k in group):
+            result += group
+            bound += sum(links[k].price for k in group)
+            continue
+        left_s = time_limit_s - (time.perf_counter() - began)
+        picked, proof = cheapest([links[k] for k in group], (), left_s)
+        result += [group[k] for k in picked]
+        bound += proof.bound
+    price = sum(links[k].price for k in result)
+    return sorted(result), _proved(price, bound, began)
 
 
 def cheapest(
@@ -66,12 +155,8 @@ def cheapest(
 ) -> tuple[list[int], Optimality]:
     """Indices of the chosen links, and what was proved about them within the time limit."""
     began = time.perf_counter()
-    chosen, partitions = kruskal(links)
-    plain = not conflicts and all(len(link.islands) == 2 and not link.codewords for link in links)
-    if plain:  # Kruskal's tree is the optimum
-        price = sum(links[k].price for k in chosen)
-        return chosen, Optimality(price, price, 0.0, time.perf_counter() - began)
-    model = _Model(links, conflicts, partitions)
+    chosen = kruskal(links)
+    model = _Model(links, conflicts, chosen)
     bound = 0.0
     while (left_s := time_limit_s - (time.perf_counter() - began)) > 0:
         answer = model.solve(left_s)
@@ -79,17 +164,17 @@ def cheapest(
             bound = max(bound, float(answer.mip_dual_bound))
         if answer.x is None:
             break
-        chosen = [k for k in range(len(links)) if answer.x[k] > 0.5]
+        picked = [k for k in range(len(links)) if answer.x[k] > 0.5]
         forest = _Forest(i for link in links for i in link.islands)
-        for k in chosen:
+        for k in picked:
             forest.join(links[k].islands)
+        whole = kruskal(links, picked)
+        if cost(links, conflicts, whole) < cost(links, conflicts, chosen):
+            chosen = whole
         if forest.count == 1:
             break
         model.add_partition(forest.partition())
-        chosen = _completed(links, chosen)
-    price = cost(links, conflicts, chosen)
-    gap = (price - bound) / price if price > 0 else 0.0
-    return chosen, Optimality(price, bound, max(0.0, gap), time.perf_counter() - began)
+    return chosen, _proved(cost(links, conflicts, chosen), bound, began)
 
 
 def cost(links: Sequence[Link], conflicts: Sequence[Conflict], chosen: Sequence[int]) -> float:
@@ -102,29 +187,16 @@ def cost(links: Sequence[Link], conflicts: Sequence[Conflict], chosen: Sequence[
     return sum(links[k].price for k in chosen) + CODEWORD_PRICE * len(lost)
 
 
-def _full_price(link: Link) -> float:
-    return link.price + CODEWORD_PRICE * len(link.codewords)
-
-
-def _completed(links: Sequence[Link], chosen: Sequence[int]) -> list[int]:
-    """A choice that leaves pieces, joined by the cheapest links."""
-    forest = _Forest(i for link in links for i in link.islands)
-    for k in chosen:
-        forest.join(links[k].islands)
-    more = list(chosen)
-    for k in sorted(range(len(links)), key=lambda k: _full_price(links[k])):
-        if forest.parts_of(links[k].islands) > 1:
-            forest.join(links[k].islands)
-            more.append(k)
-    return more
+def _proved(price: float, bound: float, began: float) -> Optimality:
+    bound = min(bound, price)  # the solver's bound carries its own rounding
+    gap = (price - bound) / price if price > 0 else 0.0
+    return Optimality(price, bound, gap if gap > PRICE_TOL else 0.0, time.perf_counter() - began)
 
 
 class _Model:
     """The integer programme; inequalities are added as solutions fall apart."""
 
-    def __init__(
-        self, links: Sequence[Link], conflicts: Sequence[Conflict], partitions: Sequence[dict[int, int]]
-    ) -> None:
+    def __init__(self, links: Sequence[Link], conflicts: Sequence[Conflict], tree: Sequence[int]) -> None:
         codewords = set[int]().union(*(link.codewords for link in links), *(c.codewords for c in conflicts))
         self._links = links
         self._codeword = {c: len(links) + k for k, c in enumerate(sorted(codewords))}
@@ -137,8 +209,12 @@ class _Model:
             for c in sorted(conflict.codewords):
                 row = {self._codeword[c]: 1.0} | dict.fromkeys(conflict.links, -1.0)
                 self._add(row, 1.0 - len(conflict.links))
-        for k in sorted({round(k) for k in np.linspace(0, len(partitions) - 1, MOST_PARTITIONS)}):
-            self.add_partition(partitions[k])
+        forest = _Forest(i for link in links for i in link.islands)
+        kept = {round(k) for k in np.linspace(0, len(tree) - 1, MOST_PARTITIONS)}
+        for k, link in enumerate(tree):
+            if k in kept:
+                self.add_partition(forest.partition())
+            forest.join(links[link].islands)
 
     def add_partition(self, part: dict[int, int]) -> None:
         """The links must hold the parts together."""
@@ -177,24 +253,24 @@ class _Model:
 
 
 class _Forest:
-    """Disjoint sets of islands."""
+    """Disjoint sets."""
 
-    def __init__(self, islands: Iterable[int]) -> None:
-        self._leader = {i: i for i in islands}
+    def __init__(self, members: Iterable[int]) -> None:
+        self._leader = {i: i for i in members}
         self.count = len(self._leader)
 
-    def find(self, island: int) -> int:
+    def find(self, member: int) -> int:
         leader = self._leader
-        while leader[island] != island:
-            leader[island] = island = leader[leader[island]]
-        return island
+        while leader[member] != member:
+            leader[member] = member = leader[leader[member]]
+        return member
 
-    def parts_of(self, islands: Sequence[int]) -> int:
-        return len({self.find(i) for i in islands})
+    def parts_of(self, members: Sequence[int]) -> int:
+        return len({self.find(i) for i in members})
 
-    def join(self, islands: Sequence[int]) -> None:
-        first = self.find(islands[0])
-        for other in islands[1:]:
+    def join(self, members: Sequence[int]) -> None:
+        first = self.find(members[0])
+        for other in members[1:]:
             leader = self.find(other)
             if leader != first:
                 self._leader[leader] = first
