@@ -9,20 +9,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.surface import Triangles
 
 from .colour import exposed, linear
 from .design_view import DesignView
 
 if TYPE_CHECKING:
+    from perfqr_cad.surface import Placement
+
     from .raycast import Camera
 
 WIDTH_PX, HEIGHT_PX = 1040, 780
-GROUND = (0.26, 0.285, 0.32)  # sRGB: slate, dark enough for the holes to read as the dark tone
+GROUND = (0.225, 0.25, 0.285)  # sRGB: slate, dark enough for the holes to read as the dark tone
 TILT_DEG, TURN_DEG = 33.0, -24.0  # of the view from the code's normal, and about it
 UPRIGHT_TILT_DEG, UPRIGHT_TURN_DEG = 16.0, 24.0  # above the horizon and to the side, for curved parts
 SPREAD = 0.20  # tangent of half the picture's width: a long lens, little perspective
+UP_LYING, UP_UPRIGHT = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 KEY_LYING, KEY_UPRIGHT = (-0.46, 0.42, 0.78), (-0.45, 0.5, 0.74)  # towards the light
-LIFT = 2e-4  # of the part's size: start of a secondary ray above its surface
+LIFT = 2e-4  # of the part's size: gap above the ground, and start of a secondary ray above its surface
 FILL = 0.84  # share of the frame that the part takes
 FIT_STEPS = 12  # of the camera: each divides the error by about ten
 GROUND_EXTENT = 60.0  # of the part's size: beyond the picture's edge
@@ -45,20 +49,22 @@ def picture(design: DesignView, width: int, height: int) -> NDArray[np.uint8]:
     from .raycast import Look, Scene, picture
 
     bodies = [design.solid, *design.solid.extras]
-    corners = [body.triangles.vertices[body.triangles.faces] for body in bodies]
-    if not len(corners[0]):
+    if not len(design.solid.triangles.faces):
         raise KernelError(f"{design.solid.name}: a mesh of 0 triangles has no picture; build the solid again")
     lies = design.placement.is_flat
-    up = np.array([0.0, 0.0, 1.0] if lies else [0.0, 1.0, 0.0])
-    points = np.concatenate(corners).reshape(-1, 3)
-    ground = _ground(points, up)
-    counts = [*map(len, corners), len(ground)]
+    part = _seen_by_reader(bodies[0].triangles.joined(*(b.triangles for b in bodies[1:])), design.placement)
+    ground = _ground(part.vertices, up=2 if lies else 1)
+    counts = [*(len(body.triangles.faces) for body in bodies), len(ground.faces)]
     colours = np.repeat([*(body.colour for body in bodies), GROUND], counts, axis=0)
-    scene = Scene(np.concatenate([*corners, ground]), linear(colours))
-    camera = _camera(points, lies, width / height)
-    look = Look(up=tuple(up), key_direction=KEY_LYING if lies else KEY_UPRIGHT)
-    shade = picture(scene, camera, look, width, height, lift=LIFT * _size(points))
-    return exposed(_vignette(shade))
+    look = Look(UP_LYING, KEY_LYING) if lies else Look(UP_UPRIGHT, KEY_UPRIGHT)
+    camera = _camera(part.vertices, lies, width / height)
+    scene = Scene(part.joined(ground), linear(colours))
+    return exposed(_vignette(picture(scene, camera, look, width, height, LIFT * _size(part.vertices))))
+
+
+def _seen_by_reader(mesh: Triangles, placement: Placement) -> Triangles:
+    """The mesh turned so that at the code's centre x is right, y is up and z is towards the reader."""
+    return Triangles(mesh.vertices @ placement.frame([[0.0, 0.0]])[0].T, mesh.faces)
 
 
 def _camera(points: NDArray[Any], lies: bool, aspect: float) -> Camera:
@@ -87,15 +93,16 @@ def _camera(points: NDArray[Any], lies: bool, aspect: float) -> Camera:
     return camera()
 
 
-def _ground(points: NDArray[Any], up: NDArray[Any]) -> NDArray[Any]:
-    """Two triangles under the part, (2, 3, 3)."""
-    size = _size(points)
-    centre = (points.min(axis=0) + points.max(axis=0)) / 2
-    foot = centre + up * ((points @ up).min() - centre @ up) - up * size * 1e-3
-    along = np.array([1.0, 0.0, 0.0])
-    across = np.cross(up, along)
-    a, b = along * size * GROUND_EXTENT, across * size * GROUND_EXTENT
-    return np.array([[foot - a - b, foot + a - b, foot + a + b], [foot - a - b, foot + a + b, foot - a + b]])
+def _ground(points: NDArray[Any], up: int) -> Triangles:
+    """Two triangles just under the part; `up` is the axis that they face along."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    right, back = (0, 1) if up == 2 else (2, 0)
+    reach = _size(points) * GROUND_EXTENT
+    corners = np.tile((low + high) / 2, (4, 1))
+    corners[:, up] = low[up] - LIFT * _size(points)
+    corners[:, right] += np.array([-1, 1, 1, -1]) * reach
+    corners[:, back] += np.array([-1, -1, 1, 1]) * reach
+    return Triangles(corners, np.array([[0, 1, 2], [0, 2, 3]]))
 
 
 def _size(points: NDArray[Any]) -> float:

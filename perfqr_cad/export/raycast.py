@@ -1,7 +1,7 @@
 """A small ray caster for pictures of parts: one key light, an open sky, a plain ground.
 
 Deterministic: directions come from a fixed low-discrepancy set, spread over tiles of pixels and averaged
-over each tile within one plane (interleaved sampling), so that few rays a pixel give smooth shades.
+over each tile within one surface (interleaved sampling), so that few rays a pixel give smooth shades.
 """
 
 from __future__ import annotations
@@ -12,11 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from perfqr_cad.surface import Triangles
+
 Floats = NDArray[np.floating[Any]]
 Ints = NDArray[np.int32]
 
 TILE = 4  # pixels, edge of the tile over which directions are spread
 SKY_RAYS, KEY_RAYS = 3, 2  # a pixel
+CREASE_DEG = 40.0  # below the 45° of corner links, above the steps of a small fillet's facets
 EDGE_SAMPLES = 3  # sub-samples along each edge of a pixel that an outline crosses
 
 
@@ -24,8 +27,8 @@ EDGE_SAMPLES = 3  # sub-samples along each edge of a pixel that an outline cross
 class Look:
     """Light and tone. Directions point from the scene to the light; strengths are linear light."""
 
-    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    key_direction: tuple[float, float, float] = (-0.42, 0.48, 0.77)
+    up: tuple[float, float, float]
+    key_direction: tuple[float, float, float]
     key_strength: float = 0.74
     key_spread: float = 0.09  # tangent of the light's angular radius: softness of the shadows
     sky_strength: float = 0.48
@@ -55,27 +58,43 @@ class Camera:
         return _unit(plane[:, :1] * right + plane[:, 1:] * up + forward).astype(np.float32)
 
 
-class Scene:
-    """Triangles (m, 3, 3) with a linear colour each (m, 3), ready for rays."""
+@dataclass(frozen=True)
+class Hits:
+    """What rays meet first: triangle, point, and the normal facing the ray, flat and interpolated."""
 
-    def __init__(self, corners: Floats, colours: Floats) -> None:
+    triangle: Ints
+    points: Floats
+    flat: Floats
+    smooth: Floats
+
+
+class Scene:
+    """A triangle mesh with a linear colour for each face (m, 3), ready for rays."""
+
+    def __init__(self, mesh: Triangles, colours: Floats) -> None:
         from embreex.mesh_construction import TriangleMesh
         from embreex.rtcore_scene import EmbreeScene
 
-        self._corners = np.ascontiguousarray(corners, np.float32)
+        corners = mesh.vertices[mesh.faces]
         self.colours = colours
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        self.normals: Floats = _unit(normals).astype(np.float32)
-        self.size = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
-        self.planes = _plane_ids(self.normals, corners[:, 0], self.size)
+        self._normals = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+        self.surface = _surfaces(mesh.faces, self._normals)
+        self._corner_normals = _corner_normals(mesh.faces, corners, self.surface).astype(np.float32)
         self._scene: Any = EmbreeScene()
-        self._mesh = TriangleMesh(self._scene, self._corners)
+        self._mesh = TriangleMesh(self._scene, np.ascontiguousarray(corners, np.float32))
 
-    def hit(self, eye: Floats, directions: Floats) -> tuple[Ints, Floats]:
-        """First triangle along each ray from the eye, -1 for none, and its distance."""
+    def hits(self, eye: Floats, directions: Floats) -> Hits:
+        """What each ray from the eye meets; the rays must all meet something."""
         origins = np.broadcast_to(eye, directions.shape).astype(np.float32)
         found = self._scene.run(origins, directions, output=1)
-        return found["primID"], found["tfar"]
+        triangle, u, v = found["primID"], found["u"][:, None], found["v"][:, None]
+        a, b, c = np.moveaxis(self._corner_normals[triangle], 1, 0)
+        return Hits(
+            triangle=triangle,
+            points=origins + directions * found["tfar"][:, None],
+            flat=_facing(self._normals[triangle], directions).astype(np.float32),
+            smooth=_facing(_unit((1 - u - v) * a + u * b + v * c), directions),
+        )
 
     def hidden(self, origins: Floats, directions: Floats) -> NDArray[np.bool_]:
         """Whether anything lies along each ray."""
@@ -83,21 +102,18 @@ class Scene:
 
 
 def picture(scene: Scene, camera: Camera, look: Look, width: int, height: int, lift: float) -> Floats:
-    """Linear light (height, width, 3) of a scene that fills the view."""
-    pixels = _grid(width, height)
-    directions = camera.directions(pixels + 0.5, width, height)
-    triangle, distance = scene.hit(camera.eye, directions)
-    points = camera.eye.astype(np.float32) + directions * distance[:, None]
-    normals = _facing(scene.normals[triangle], directions)
-    plane = scene.planes[triangle].reshape(height, width)
+    """Linear light (height, width, 3) of a scene that fills the view; `lift` is above any rounding error."""
+    hits = scene.hits(camera.eye, camera.directions(_grid(width, height) + 0.5, width, height))
+    surface = scene.surface[hits.triangle].reshape(height, width)
     tile = _tile_index(width, height)
-    under = _below_all(points, np.asarray(look.up, np.float32), lift)
-    sky, key = np.ones(len(points), np.float32), np.ones(len(points), np.float32)
-    sky[under] = _sky(scene, points[under], normals[under], tile[under], lift)
-    key[under] = _key(scene, points[under], normals[under], tile[under], look, lift)
-    sky, key = (_smooth(share.reshape(height, width), plane) for share in (sky, key))
-    shade = _shade(scene, triangle, normals, sky.ravel(), key.ravel(), look).reshape(height, width, 3)
-    _resample_edges(shade, plane, sky, key, scene, camera, look)
+    under = _below_all(hits.points, np.asarray(look.up, np.float32), lift)
+    start, normals = (hits.points + lift * hits.flat)[under], hits.flat[under]
+    sky, key = np.ones(under.shape, np.float32), np.ones(under.shape, np.float32)
+    sky[under] = _sky(scene, start, normals, tile[under])
+    key[under] = _key(scene, start, tile[under], look)
+    sky, key = (_smooth(share.reshape(height, width), surface) for share in (sky, key))
+    shade = _shade(scene, hits, sky.ravel(), key.ravel(), look).reshape(height, width, 3)
+    _resample_edges(shade, surface, sky, key, scene, camera, look)
     return shade
 
 
@@ -107,14 +123,14 @@ def _below_all(points: Floats, up: Floats, lift: float) -> NDArray[np.bool_]:
     return height < height.max() - lift
 
 
-def _shade(scene: Scene, triangle: Ints, normals: Floats, sky: Floats, key: Floats, look: Look) -> Floats:
-    facing = np.clip(normals @ _unit(np.asarray(look.key_direction, np.float32)), 0.0, 1.0)
-    dome = 0.7 + 0.3 * (normals @ np.asarray(look.up, np.float32))  # a sky brighter overhead
+def _shade(scene: Scene, hits: Hits, sky: Floats, key: Floats, look: Look) -> Floats:
+    facing = np.clip(hits.smooth @ _unit(np.asarray(look.key_direction, np.float32)), 0.0, 1.0)
+    dome = 0.7 + 0.3 * (hits.smooth @ np.asarray(look.up, np.float32))  # a sky brighter overhead
     ambient = look.sky_strength * dome * (look.bounce + (1 - look.bounce) * sky)
-    return scene.colours[triangle] * (ambient + look.key_strength * facing * key)[:, None]
+    return scene.colours[hits.triangle] * (ambient + look.key_strength * facing * key)[:, None]
 
 
-def _sky(scene: Scene, points: Floats, normals: Floats, tile: Ints, lift: float) -> Floats:
+def _sky(scene: Scene, points: Floats, normals: Floats, tile: Ints) -> Floats:
     """Share of the sky that each point sees, weighted by the cosine: one estimate a pixel."""
     tangent, bitangent = _tangents(normals)
     seen = np.zeros(len(points), np.float32)
@@ -123,11 +139,11 @@ def _sky(scene: Scene, points: Floats, normals: Floats, tile: Ints, lift: float)
     local = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - samples[:, 0])], axis=1)
     for ray in range(SKY_RAYS):
         x, y, z = local[tile * SKY_RAYS + ray].astype(np.float32).T[:, :, None]
-        seen += ~scene.hidden(points + lift * normals, x * tangent + y * bitangent + z * normals)
+        seen += ~scene.hidden(points, x * tangent + y * bitangent + z * normals)
     return seen / SKY_RAYS
 
 
-def _key(scene: Scene, points: Floats, normals: Floats, tile: Ints, look: Look, lift: float) -> Floats:
+def _key(scene: Scene, points: Floats, tile: Ints, look: Look) -> Floats:
     """Share of the key light that reaches each point: one estimate a pixel."""
     towards = _unit(np.asarray([look.key_direction], np.float32))
     tangent, bitangent = _tangents(towards)
@@ -136,45 +152,43 @@ def _key(scene: Scene, points: Floats, normals: Floats, tile: Ints, look: Look, 
     rays = towards + radius * (np.cos(angle) * tangent + np.sin(angle) * bitangent)
     lit = np.zeros(len(points), np.float32)
     for ray in range(KEY_RAYS):
-        lit += ~scene.hidden(points + lift * normals, rays[tile * KEY_RAYS + ray].astype(np.float32))
+        lit += ~scene.hidden(points, rays[tile * KEY_RAYS + ray].astype(np.float32))
     return lit / KEY_RAYS
 
 
 def _resample_edges(
-    shade: Floats, plane: Ints, sky: Floats, key: Floats, scene: Scene, camera: Camera, look: Look
+    shade: Floats, surface: Ints, sky: Floats, key: Floats, scene: Scene, camera: Camera, look: Look
 ) -> None:
-    """Replace pixels beside a change of plane by the mean of finer samples, in place."""
-    height, width = plane.shape
-    rows, columns = np.nonzero(_beside_change(plane))
+    """Replace pixels beside a change of surface by the mean of finer samples, in place."""
+    height, width = surface.shape
+    rows, columns = np.nonzero(_beside_change(surface))
     steps = (np.arange(EDGE_SAMPLES, dtype=np.float32) + 0.5) / EDGE_SAMPLES
     total = np.zeros((len(rows), 3), np.float32)
     for dy in steps:
         for dx in steps:
             xy = np.stack([columns + dx, rows + dy], axis=1).astype(np.float32)
-            directions = camera.directions(xy, width, height)
-            triangle, _ = scene.hit(camera.eye, directions)
-            at = _nearest_alike(plane, scene.planes[triangle], rows, columns)
-            normals = _facing(scene.normals[triangle], directions)
-            total += _shade(scene, triangle, normals, sky[at], key[at], look)
+            hits = scene.hits(camera.eye, camera.directions(xy, width, height))
+            at = _nearest_alike(surface, scene.surface[hits.triangle], rows, columns)
+            total += _shade(scene, hits, sky[at], key[at], look)
     shade[rows, columns] = total / EDGE_SAMPLES**2
 
 
-def _nearest_alike(plane: Ints, wanted: Ints, rows: Any, columns: Any) -> tuple[Any, Any]:
-    """For each pixel the one of its 3 × 3 neighbourhood that shows the wanted plane, else itself."""
+def _nearest_alike(surface: Ints, wanted: Ints, rows: Any, columns: Any) -> tuple[Any, Any]:
+    """For each pixel the one of its 3 × 3 neighbourhood that shows the wanted surface, else itself."""
     best_row, best_column = rows.copy(), columns.copy()
-    open_ = plane[rows, columns] != wanted
+    open_ = surface[rows, columns] != wanted
     for dr, dc in ((-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (-1, 1), (1, -1), (1, 1)):
-        r = np.clip(rows + dr, 0, plane.shape[0] - 1)
-        c = np.clip(columns + dc, 0, plane.shape[1] - 1)
-        take = open_ & (plane[r, c] == wanted)
+        r = np.clip(rows + dr, 0, surface.shape[0] - 1)
+        c = np.clip(columns + dc, 0, surface.shape[1] - 1)
+        take = open_ & (surface[r, c] == wanted)
         best_row[take], best_column[take] = r[take], c[take]
         open_ &= ~take
     return best_row, best_column
 
 
-def _beside_change(plane: Ints) -> NDArray[np.bool_]:
-    change = np.zeros(plane.shape, bool)
-    across, down = plane[:, 1:] != plane[:, :-1], plane[1:] != plane[:-1]
+def _beside_change(surface: Ints) -> NDArray[np.bool_]:
+    change = np.zeros(surface.shape, bool)
+    across, down = surface[:, 1:] != surface[:, :-1], surface[1:] != surface[:-1]
     change[:, 1:] |= across
     change[:, :-1] |= across
     change[1:] |= down
@@ -182,12 +196,12 @@ def _beside_change(plane: Ints) -> NDArray[np.bool_]:
     return change
 
 
-def _smooth(values: Floats, plane: Ints) -> Floats:
-    """Mean over a tile around each pixel, along rows then columns, of pixels that show the same plane."""
+def _smooth(values: Floats, surface: Ints) -> Floats:
+    """Mean over a tile around each pixel, along rows then columns, of pixels that show the same surface."""
     for axis in (1, 0):
         total, count = np.zeros_like(values), np.zeros_like(values)
         for shift in range(-(TILE // 2), TILE - TILE // 2):
-            alike = np.roll(plane, shift, axis) == plane
+            alike = np.roll(surface, shift, axis) == surface
             total += np.where(alike, np.roll(values, shift, axis), 0)
             count += alike
         values = total / count
@@ -211,11 +225,30 @@ def _low_discrepancy(count: int) -> Floats:
     return (0.5 + k * np.array([1 / plastic, 1 / plastic**2])) % 1.0
 
 
-def _plane_ids(normals: Floats, points: Floats, size: float) -> Ints:
-    """One number for all triangles of a plane, to a thousandth of the scene's size."""
-    offset = np.einsum("ij,ij->i", normals, points) / size
-    keys = np.round(np.column_stack([normals * 50, offset * 1000])).astype(np.int32)
-    return np.unique(keys, axis=0, return_inverse=True)[1].astype(np.int32).ravel()
+def _surfaces(faces: NDArray[np.int64], normals: Floats) -> Ints:
+    """Number of the smooth surface of each face: neighbours across an edge that is no crease share one."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    face = np.repeat(np.arange(len(faces)), 3)
+    order = np.lexsort(edges.T)
+    edges, face = edges[order], face[order]
+    same = np.all(edges[1:] == edges[:-1], axis=1)
+    a, b = face[:-1][same], face[1:][same]
+    flat = np.einsum("ij,ij->i", normals[a], normals[b]) > np.cos(np.radians(CREASE_DEG))
+    links = coo_array((np.ones(flat.sum(), bool), (a[flat], b[flat])), shape=(len(faces),) * 2)
+    return connected_components(links, directed=False)[1].astype(np.int32)
+
+
+def _corner_normals(faces: NDArray[np.int64], corners: Floats, surface: Ints) -> Floats:
+    """Normals (m, 3, 3) at the corners of each face: the mean over its surface's faces there, by area."""
+    twice_area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    key = surface[:, None].astype(np.int64) * (faces.max() + 1) + faces
+    at = np.unique(key, return_inverse=True)[1].reshape(-1)
+    each = np.repeat(twice_area, 3, axis=0)
+    total = np.stack([np.bincount(at, each[:, axis]) for axis in range(3)], axis=1)
+    return _unit(total)[at].reshape(-1, 3, 3)
 
 
 def _facing(normals: Floats, directions: Floats) -> Floats:
