@@ -10,8 +10,8 @@ from .materials import MATERIALS, Material, material
 if TYPE_CHECKING:
     from .analysis import analyse, analyse_region
     from .field import StressField
-    from .reinforcing import reinforce
     from .reinforcement import Reinforcement
+    from .reinforcing import reinforce
 
 __all__ = [
     "MATERIALS",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from shapely.geometry import Polygon
@@ -15,12 +15,15 @@ from perfqr_cad.structure.gmsher import triangulate
 from perfqr_cad.structure.loads import Load, Support, Weight
 from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.materials import material as material_named
-from perfqr_cad.structure.measure import DiscAverage, von_mises
+from perfqr_cad.structure.measure import DiscAverage, disc_average, von_mises
 from perfqr_cad.structure.model import Model, build_model, forces_of
 from perfqr_cad.structure.solvers import factorise
 from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
 from perfqr_cad.surface import Placement
 from perfqr_cad.units import grams
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import Pattern
 
 MESH_SIZE_MODULES = 2 / 3  # largest element edge, in modules: see docs/strength.md, refinement
 CORNER_SIZE_NOZZLES = 1.0  # element edges at re-entrant corners
@@ -30,22 +33,8 @@ LINEAR_LIMIT_THICKNESSES = 0.5  # deflection above which stretching, which a lin
 BALANCE_LIMIT = 1e-6  # a solution whose reactions miss the load by more is no solution
 
 
-class Patterned(Protocol):
-    """What this layer reads of a pattern."""
-
-    @property
-    def polygon(self) -> Polygon:
-        """The light region in mm."""
-        ...
-
-    @property
-    def module_mm(self) -> float:
-        """Edge of a module in mm."""
-        ...
-
-
 def analyse(
-    pattern: Patterned,
+    pattern: Pattern,
     placement: Placement,
     *,
     material: Material | str = "PLA",
@@ -103,7 +92,8 @@ def analyse_region(
     factor = factorise(model.lower(), solver)
     forces = forces_of(model, load, factor)
     displacement = factor.solve(np.where(model.fixed, 0.0, forces))
-    return field_of(model, displacement, forces, yield_mpa=yield_mpa, nozzle_mm=nozzle_mm, solver=factor.name)
+    average = disc_average(model.mesh, nozzle_mm)
+    return field_of(model, displacement, forces, average=average, yield_mpa=yield_mpa, solver=factor.name)
 
 
 def prepare(
@@ -114,9 +104,12 @@ def prepare(
     *,
     nozzle_mm: float,
     mesh_size_mm: float,
+    corner_size_mm: float | None = None,
     bends: bool = True,
 ) -> Model:
     """Clean the region, mesh it and build its element matrices.
+
+    `corner_size_mm` None takes the nozzle's width.
 
     A flat part is a plate of 3 unknowns a node as long as its load only `bends` it; else it is a shell.
     """
@@ -128,7 +121,7 @@ def prepare(
         if not (math.isfinite(value) and value > 0.0):
             raise AnalysisError(f"{label} is {value} mm; it must be a positive number")
     domain = clean(polygon, OUTLINE_TOLERANCE_NOZZLES * nozzle_mm)
-    mesh = triangulate(domain, mesh_size_mm, CORNER_SIZE_NOZZLES * nozzle_mm)
+    mesh = triangulate(domain, mesh_size_mm, corner_size_mm or CORNER_SIZE_NOZZLES * nozzle_mm)
     held = support if isinstance(support, Support) else Support(support)  # type: ignore[arg-type]
     return build_model(mesh, domain, placement, material, held, mesh_size_mm, placement.is_flat and bends)
 

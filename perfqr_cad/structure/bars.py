@@ -75,6 +75,25 @@ def _stiffnesses(section: Section, length: Floats, width: Floats) -> tuple[Float
     )
 
 
+def bar_tensors(section: Section, bars: Candidates, modes: int) -> Floats:
+    """Nominal tensors (k, 2, 5, modes) at the two ends of each bar per unit of C's mode amplitudes."""
+    length, width, t = bars.length_mm, bars.width_mm, section.thickness_mm
+    stiff = _stiffnesses(section, length, width)
+    root = np.sqrt(np.array(stiff[:modes]))
+    out = np.zeros((len(bars), 2, 5, modes))
+    for end, sign in enumerate((-1.0, 1.0)):
+        # Moments at the ends: that of uniform bending, and the shear force times half the length.
+        out[:, end, 0, 0] = sign * 0.5 * length * root[0] * 6.0 / (width * t**2)
+        out[:, end, 0, 1] = root[1] * 6.0 / (width * t**2)
+        polar = stiff[2] * length * 2.0 * (1.0 + section.nu) / section.e_mpa
+        out[:, end, 2, 2] = root[2] * t / polar
+        if modes > 3:
+            out[:, end, 0, 3] = root[3] / (width * t)
+            out[:, end, 0, 4] = sign * 0.5 * length * root[4] * 6.0 / (width**2 * t)
+            out[:, end, 0, 5] = root[5] * 6.0 / (width**2 * t)
+    return out
+
+
 Entries = tuple[Ints, Ints, Floats]
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.structure.t6 import Floats
+from perfqr_cad.structure.t6 import Floats, Ints
 from perfqr_cad.symbol import ReadabilityTracker, layout
 from perfqr_cad.symbol.layout import Role
 
@@ -49,7 +49,7 @@ class Candidates:
         """Lengths (k,)."""
         return np.linalg.norm(self.end - self.start, axis=1)
 
-    def take(self, which: NDArray[np.generic]) -> Candidates:
+    def take(self, which: NDArray[np.int64] | NDArray[np.bool_]) -> Candidates:
         """The rows chosen."""
         return Candidates(
             self.start[which], self.end[which], self.width_mm[which], self.loss[which], self.covered[which]
@@ -78,42 +78,56 @@ def affordable(pattern: Pattern, start: Floats, end: Floats, width: Floats) -> C
     """The bars that leave L(Q) finite and touch no finder or alignment ring, with their losses."""
     tracker = ReadabilityTracker(pattern.symbol, pattern.observed)
     today = tracker.total
+    dark = pattern.observed.dark
     roles = layout(pattern.symbol.version, pattern.symbol.level).roles
     forbidden = np.isin(roles, KEPT_CLEAR) & pattern.symbol.matrix.dark
-    loss, covered = np.full(len(start), np.inf), np.zeros(len(start))
-    for k in range(len(start)):
-        rows, columns, share, touched = coverage(pattern, start[k], end[k], float(width[k]))
-        if (forbidden[rows, columns] & touched).any():
-            continue
-        flips = (share >= LIGHTENED) & pattern.observed.dark[rows, columns]
-        loss[k] = tracker.preview(zip(rows[flips].tolist(), columns[flips].tolist(), strict=True)) - today
-        covered[k] = share[pattern.observed.dark[rows, columns]].sum()
+    modules, share, touched = coverage(pattern, start, end, width)
+    rows, columns = modules[..., 0], modules[..., 1]
+    barred = (forbidden[rows, columns] & touched).any(axis=1)
+    flips = (share >= LIGHTENED) & dark[rows, columns]
+    loss = np.where(barred, np.inf, 0.0)
+    for k in np.flatnonzero(flips.any(axis=1) & ~barred):
+        loss[k] = tracker.preview(map(tuple, modules[k, flips[k]].tolist())) - today
     kept = np.isfinite(loss)
+    covered = (share * dark[rows, columns]).sum(axis=1)
     return Candidates(start[kept], end[kept], width[kept], loss[kept], covered[kept])
 
 
 def coverage(
-    pattern: Pattern, start: Floats, end: Floats, width: float
-) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats, NDArray[np.bool_]]:
-    """Modules near a bar: rows, columns, the share of the centre it covers, and whether it enters them."""
+    pattern: Pattern, start: Floats, end: Floats, width: Floats
+) -> tuple[Ints, Floats, NDArray[np.bool_]]:
+    """What k bars cover of the modules near them.
+
+    Returns rows and columns of the modules (k, w, 2), the share of each one's centre that the bar covers
+    (k, w), and whether it enters the module at all (k, w).
+    """
     n, m = pattern.symbol.size, pattern.module_mm
-    low, high = np.minimum(start, end) - width / 2, np.maximum(start, end) + width / 2
-    columns = np.arange(max(0, int(low[0] / m + n / 2)), min(n - 1, int(high[0] / m + n / 2)) + 1)
-    rows = np.arange(max(0, int(n / 2 - high[1] / m)), min(n - 1, int(n / 2 - low[1] / m)) + 1)
-    r, c = (grid.ravel() for grid in np.meshgrid(rows, columns, indexing="ij"))
-    centres = np.stack([(c + 0.5 - n / 2) * m, (n / 2 - r - 0.5) * m], axis=1)
-    third = (np.arange(CENTRE_SAMPLES) + 0.5) / CENTRE_SAMPLES - 0.5
-    grid = np.stack(np.meshgrid(third, third), axis=-1).reshape(-1, 2) * m
-    length = float(np.hypot(*(end - start)))
-    along = (end - start) / length
+    low = (np.minimum(start, end) - width[:, None] / 2) / m + n / 2
+    high = (np.maximum(start, end) + width[:, None] / 2) / m + n / 2
+    first = np.floor(low).astype(np.int64)
+    window = np.arange(int((np.floor(high) - first).max(initial=0)) + 1)
+    x = first[:, 0, None, None] + window[None, None, :]
+    y = first[:, 1, None, None] + window[None, :, None]
+    modules = np.stack(np.broadcast_arrays(n - 1 - y, x), axis=-1).reshape(len(start), -1, 2)
+    outside = ((modules < 0) | (modules >= n)).any(axis=2)
+    centres = np.stack([modules[..., 1] + 0.5 - n / 2, n / 2 - modules[..., 0] - 0.5], axis=-1) * m
+    share = _inside(centres, m / 3, start, end, width).mean(axis=2)
+    touched = _inside(centres, m, start, end, width).any(axis=2)
+    return np.clip(modules, 0, n - 1), np.where(outside, 0.0, share), touched & ~outside
 
-    def inside(points: Floats) -> NDArray[np.bool_]:
-        offset = points - start
-        s, t = offset @ along, offset @ np.array([-along[1], along[0]])
-        return (s >= 0) & (s <= length) & (np.abs(t) <= width / 2)
 
-    share = inside(centres[:, None] + grid / 3).mean(axis=1)
-    return r, c, share, inside(centres[:, None] + grid).any(axis=1)
+def _inside(centres: Floats, edge: float, start: Floats, end: Floats, width: Floats) -> NDArray[np.bool_]:
+    """Which samples of squares about the centres (k, w, 2) each bar covers: (k, w, samples)."""
+    steps = ((np.arange(CENTRE_SAMPLES) + 0.5) / CENTRE_SAMPLES - 0.5) * edge
+    grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    length = np.linalg.norm(end - start, axis=1)[:, None, None]
+    along = (end - start) / length[:, 0]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    offset = centres - start[:, None]
+    # Position along and across the bar: that of the centre plus that of the sample.
+    s = np.einsum("kwc,kc->kw", offset, along)[..., None] + (along @ grid.T)[:, None]
+    t = np.einsum("kwc,kc->kw", offset, across)[..., None] + (across @ grid.T)[:, None]
+    return (s >= 0) & (s <= length) & (np.abs(t) <= width[:, None, None] / 2)
 
 
 def _across(pattern: Pattern, holes: NDArray[np.object_], width: float) -> tuple[Floats, Floats, Floats]:

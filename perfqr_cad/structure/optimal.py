@@ -6,6 +6,7 @@ also their joint effect is a matter of small matrices, so bars that would do the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.structure.bars import couplings
+from perfqr_cad.structure.bars import bar_tensors, couplings
 from perfqr_cad.structure.candidates import Candidates, lattice_candidates
 from perfqr_cad.structure.measure import von_mises
 from perfqr_cad.structure.reanalysis import Reanalysis, hot_places, stress_operator
@@ -33,46 +34,54 @@ PER_ROUND = 8  # bars laid in a round at most
 MOST_ROUNDS = 12  # between two conforming meshes
 AIM = 0.97  # of the limit: bars stand on the old mesh, the conforming one may say a little more
 LEAST_GAIN = 1e-3  # of the stress: what a bar must take off to be laid, and to stay
+BASE_PRICE = 0.2  # margin that any bar costs: two small ones are no better than one that helps
 LENGTH_PRICE = 0.05  # margin that a module's length of bar costs even along module edges
 CENTRE_PRICE = 0.2  # margin that a fully lightened module centre costs besides its codeword
 
 
 @dataclass(frozen=True)
 class _Round:
-    """The exact small model of a short list: what any subset of it does at the hot places."""
+    """The exact small model of a short list: what a subset of it does at hot places, and bears."""
 
-    stress: Floats  # (rows,) tensors now
+    now: Floats  # (rows,) tensors at the hot places
     relief: Floats  # (rows, modes): tensors per unit of mode force
     flexibility: Floats  # (modes, modes)
     strain: Floats  # (modes,) what each mode feels now
-    modes: int
+    bar_tensors: Floats  # (bars, 2, 5, modes of a bar)
 
-    def tensors(self, chosen: list[int]) -> Floats:
-        """Tensors (places, layers, 5) with these bars laid."""
+    def stresses(self, chosen: list[int]) -> Floats:
+        """Von Mises' stress at the hot places and at the ends of the bars with these bars laid."""
         if not chosen:
-            return self.stress
-        columns = (np.array(chosen)[:, None] * self.modes + np.arange(self.modes)).ravel()
+            return von_mises(self.now.reshape(-1, TENSOR))
+        modes = self.bar_tensors.shape[3]
+        columns = (np.array(chosen)[:, None] * modes + np.arange(modes)).ravel()
         small = np.eye(len(columns)) + self.flexibility[np.ix_(columns, columns)]
-        return self.stress - self.relief[:, columns] @ np.linalg.solve(small, self.strain[columns])
+        amplitudes = np.linalg.solve(small, self.strain[columns])
+        places = self.now - self.relief[:, columns] @ amplitudes
+        bars = np.einsum("keam,km->kea", self.bar_tensors[chosen], amplitudes.reshape(-1, modes))
+        return von_mises(np.concatenate([places.reshape(-1, TENSOR), bars.reshape(-1, TENSOR)]))
 
 
 class OptimalChoice:
     """Chooses bridges by exact stress relief per decoding margin."""
 
-    def __init__(self, limit_mpa: float) -> None:
-        self._limit = limit_mpa
+    def __init__(self) -> None:
+        self._limit = 0.0
         self._refused: set[tuple[float, ...]] = set()
         self._host: Floats | None = None
         self.removed = 0
 
-    def lay(self, pattern: Pattern, analysis: Reanalysis) -> tuple[Pattern, list[Bridge], list[float]]:
+    def lay(
+        self, pattern: Pattern, analysis: Reanalysis, limit_mpa: float
+    ) -> tuple[Pattern, list[Bridge], list[float]]:
         """Bridges until the re-analysed stress is within the limit: pattern, bridges, stress by round."""
+        self._limit = limit_mpa
         web = pattern.spec.web_mm
         bars = lattice_candidates(pattern, tuple(share * web for share in WIDTHS_IN_WEBS))
         if not len(bars):
             return pattern, [], []
         coupling = couplings(analysis.model, bars)
-        open_rows = np.array([self._key(bars, k) not in self._refused for k in range(len(bars))])
+        open_rows = np.array([_key(bars.bridge(k, 0.0)) not in self._refused for k in range(len(bars))])
         laid: list[tuple[int, Bridge]] = []
         stresses: list[float] = []
         bridged = pattern
@@ -80,21 +89,62 @@ class OptimalChoice:
             chosen = self._round(analysis, bars, coupling, open_rows, pattern.module_mm)
             if not chosen:
                 break
+            added: list[int] = []
             for row in chosen:
+                if not open_rows[row]:  # one laid just now stands in its way
+                    continue
                 bridge = bars.bridge(row, float(_price(bars, pattern.module_mm)[row]))
                 open_rows[row] = False
                 try:
                     bridged = bridged.with_bridge(bridge)
                 except DesignError:  # breaks a rule of the pattern
-                    self._refused.add(self._key(bars, row))
+                    self._refused.add(_key(bridge))
                     continue
                 open_rows &= ~_in_the_way(bars, row, pattern.spec.gap_mm)
                 laid.append((row, bridge))
-                analysis.add(_columns(coupling, [row], len(bars)))
-            stresses.append(float(analysis.measure().max()))
+                added.append(row)
+            if not added:
+                continue
+            analysis.add(_columns(coupling, added, len(bars)))
+            stresses.append(analysis.largest())
             if stresses[-1] <= AIM * self._limit:
                 break
-        return bridged, [bridge for _, bridge in laid], stresses
+        useful = self._useful(analysis, len(laid))
+        if useful.all():
+            return bridged, [bridge for _, bridge in laid], stresses
+        self.removed += int((~useful).sum())
+        kept = [bridge for (_, bridge), keep in zip(laid, useful, strict=True) if keep]
+        for bridge in kept:
+            pattern = pattern.with_bridge(bridge)
+        return pattern, kept, stresses
+
+    def avoid(self, bridges: Sequence[Bridge], place: tuple[float, float], reach_mm: float) -> None:
+        """Do not lay bridges again that end near a place they made worse; all of them if none is near."""
+        ends = np.array([[b.start, b.end] for b in bridges])
+        near = np.linalg.norm(ends - np.array(place), axis=2).min(axis=1) < reach_mm
+        for bridge, worse in zip(bridges, near if near.any() else ~near, strict=True):
+            if worse:
+                self._refused.add(_key(bridge))
+
+    def _useful(self, analysis: Reanalysis, count: int) -> NDArray[np.bool_]:
+        """Which of the laid bars still take stress off, one by one in the order in which they were laid."""
+        useful = np.ones(count, np.bool_)
+        if count < 2:
+            return useful
+        hot = hot_places(analysis.measure())
+        seen = analysis.subset(stress_operator(analysis.model, analysis.average, hot))
+        modes = analysis.modes // count
+
+        def norm(bars: NDArray[np.bool_]) -> float:
+            return _norm(von_mises(seen(np.repeat(bars, modes)).reshape(-1, TENSOR)))
+
+        today = norm(useful)
+        for k in range(count):
+            without = useful.copy()
+            without[k] = False
+            if norm(without) < (1.0 + LEAST_GAIN) * today:
+                useful = without
+        return useful
 
     def _round(
         self,
@@ -119,10 +169,9 @@ class OptimalChoice:
         columns = _columns(coupling, short.tolist(), len(bars))
         flexible = analysis.solve(columns.toarray())
         modes = coupling.shape[1] // len(bars)
-        exact = _Round(
-            now, operator @ flexible, columns.T @ flexible, columns.T @ analysis.displacement, modes
-        )
-        return [int(short[k]) for k in self._greedy(exact, price[short], len(hot))]
+        own = bar_tensors(analysis.model.section, bars.take(short), modes)
+        exact = _Round(now, operator @ flexible, columns.T @ flexible, columns.T @ analysis.displacement, own)
+        return [int(short[k]) for k in self._greedy(exact, price[short])]
 
     def _short_list(
         self,
@@ -155,49 +204,46 @@ class OptimalChoice:
             self._host = np.median(np.asarray(own).reshape(-1, modes), axis=0)
         return self._host
 
-    def _greedy(self, exact: _Round, price: Floats, places: int) -> list[int]:
+    def _greedy(self, exact: _Round, price: Floats) -> list[int]:
         """Positions in the short list, added one by one as long as they pay."""
         chosen: list[int] = []
-        stress = _norm(exact.tensors([]), places)
-        while len(chosen) < PER_ROUND and stress > 0.0:
+        today = exact.stresses([])
+        stress, places = _norm(today), len(today)
+        while len(chosen) < PER_ROUND and len(chosen) < len(price):
             rest = [k for k in range(len(price)) if k not in chosen]
-            if not rest:
-                break
-            after = np.array([_norm(exact.tensors([*chosen, k]), places) for k in rest])
+            after = np.array([_norm(exact.stresses([*chosen, k]), places) for k in rest])
             gain = (stress - after) / price[rest]
             best = int(np.argmax(gain))
             if stress - after[best] < LEAST_GAIN * stress:
                 break
             chosen.append(rest[best])
             stress = float(after[best])
-            if _largest(exact.tensors(chosen), places) <= AIM * self._limit:
+            if exact.stresses(chosen).max() <= AIM * self._limit:
                 break
         return chosen
 
-    @staticmethod
-    def _key(bars: Candidates, row: int) -> tuple[float, ...]:
-        ends = np.round([*bars.start[row], *bars.end[row], bars.width_mm[row]], 3)
-        return tuple(float(x) for x in ends)
+
+def _key(bridge: Bridge) -> tuple[float, ...]:
+    """A bar as rounded numbers: candidates are found anew for each pattern."""
+    return tuple(round(x, 3) for x in (*bridge.start, *bridge.end, bridge.width_mm))
 
 
 def _price(bars: Candidates, module_mm: float) -> Floats:
     """Decoding margin that each bar costs."""
-    return bars.loss.clip(0.0) + CENTRE_PRICE * bars.covered + LENGTH_PRICE * bars.length_mm / module_mm
+    return (
+        BASE_PRICE
+        + bars.loss.clip(0.0)
+        + CENTRE_PRICE * bars.covered
+        + LENGTH_PRICE * bars.length_mm / module_mm
+    )
 
 
-def _stresses(tensors: Floats, places: int) -> Floats:
-    return von_mises(tensors.reshape(places, -1, TENSOR))
-
-
-def _largest(tensors: Floats, places: int) -> float:
-    return float(_stresses(tensors, places).max())
-
-
-def _norm(tensors: Floats, places: int) -> float:
-    """A smooth stand-in for the largest stress: the NORM-mean over the hot places."""
-    stress = _stresses(tensors, places)
-    top = stress.max()
-    return float(top * np.mean((stress / top) ** NORM) ** (1.0 / NORM)) if top > 0.0 else 0.0
+def _norm(stress: Floats, places: int | None = None) -> float:
+    """A smooth stand-in for the largest stress: its NORM-mean, over `places` of them."""
+    top = float(stress.max())
+    if top <= 0.0:
+        return 0.0
+    return top * float(((stress / top) ** NORM).sum() / (places or len(stress))) ** (1.0 / NORM)
 
 
 def _gradient(tensors: Floats, places: int) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,11 +28,12 @@ class PaperChoice:
 
     removed = 0  # the paper keeps every bridge
 
-    def __init__(self, limit_mpa: float, loss_weight: float) -> None:
-        self._limit = limit_mpa
+    def __init__(self, loss_weight: float) -> None:
         self._loss_weight = loss_weight
 
-    def lay(self, pattern: Pattern, analysis: Reanalysis) -> tuple[Pattern, list[Bridge], list[float]]:
+    def lay(
+        self, pattern: Pattern, analysis: Reanalysis, limit_mpa: float
+    ) -> tuple[Pattern, list[Bridge], list[float]]:
         """Bridges until the re-analysed stress is within the limit: pattern, bridges, stress after each."""
         graph = _light_graph(analysis.model.mesh)
         bridges: list[Bridge] = []
@@ -43,10 +45,13 @@ class PaperChoice:
             pattern, bridge, coupling = found
             analysis.add(coupling)
             bridges.append(bridge)
-            stresses.append(float(analysis.measure().max()))
-            if stresses[-1] <= self._limit:
+            stresses.append(analysis.largest())
+            if stresses[-1] <= limit_mpa:
                 break
         return pattern, bridges, stresses
+
+    def avoid(self, bridges: Sequence[Bridge], place: tuple[float, float], reach_mm: float) -> None:
+        """The paper keeps what it has laid."""
 
     def _cheapest(
         self, pattern: Pattern, analysis: Reanalysis, graph: sp.csr_matrix

@@ -1,13 +1,17 @@
 """One factorisation, many bridges: each is a low-rank update, by Woodbury's identity small matrices.
 
 With K = K0 + C Cᵀ and Z0 = K0⁻¹ C, each product with K⁻¹ is one with K0⁻¹ and a correction of the size of
-the bridges. Nothing is meshed or factorised while bridges are tried; a conforming mesh confirms them at the end.
+the bridges. Nothing is meshed or factorised while bridges are tried; a conforming mesh confirms them at the
+end.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from perfqr_cad.structure.measure import DiscAverage, disc_average, von_mises
 from perfqr_cad.structure.model import Model
@@ -35,11 +39,27 @@ class Reanalysis:
         """K⁻¹ of one or several right-hand sides, bridges included."""
         return self._corrected(self._factor.solve(right))
 
+    @property
+    def modes(self) -> int:
+        """Columns of C laid so far."""
+        return self._couplings.shape[1]
+
     def add(self, coupling: sp.csc_matrix) -> None:
         """Lay bridges for good; C (n, modes) of them all."""
         self._flexibility = np.hstack([self._flexibility, self._factor.solve(coupling.toarray())])
         self._couplings = sp.hstack([self._couplings, coupling], format="csc")
         self.displacement = self._corrected(self._base)
+
+    def subset(self, operator: sp.csr_matrix) -> Callable[[NDArray[np.bool_]], Floats]:
+        """What an operator sees of the displacement if only some of the laid modes were there, by flags."""
+        base, relief = operator @ self._base, operator @ self._flexibility
+        flexibility, strain = self._couplings.T @ self._flexibility, self._couplings.T @ self._base
+
+        def seen(kept: NDArray[np.bool_]) -> Floats:
+            small = np.eye(int(kept.sum())) + flexibility[np.ix_(kept, kept)]
+            return base - relief[:, kept] @ np.linalg.solve(small, strain[kept])
+
+        return seen
 
     def _corrected(self, unbridged: Floats) -> Floats:
         if not self._couplings.shape[1]:
@@ -50,6 +70,10 @@ class Reanalysis:
     def measure(self) -> Floats:
         """The named measure at every corner node, in MPa."""
         return von_mises(self.average(self.model.corner_stresses(self.displacement))).max(axis=1)
+
+    def largest(self) -> float:
+        """The largest of the named measure, in MPa."""
+        return float(self.measure().max())
 
 
 def hot_places(measure: Floats) -> Ints:
@@ -80,4 +104,4 @@ def stress_operator(model: Model, average: DiscAverage, places: Ints) -> sp.csr_
     shape = (row.max() + 1, len(model.fixed))
     of_corner = sp.csr_matrix((blocks.ravel(), (row.ravel(), index.ravel())), shape=shape)
     averaging = sp.kron(rows[:, columns], sp.eye_array(tensors), format="csr")
-    return (averaging @ of_corner).tocsr()
+    return sp.csr_matrix(averaging @ of_corner)

@@ -16,8 +16,8 @@ from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.analysis import (
     DEFAULT_NOZZLE_MM,
     MESH_SIZE_MODULES,
+    analyse,
     bends_only,
-    field_of,
     prepare,
 )
 from perfqr_cad.structure.field import StressField
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 Method = Literal["optimal", "paper"]
 WEAK = "weak: no affordable bridge is left"
+LOOP_MESH_MODULES = 1.0  # element edges of the model that bridges are tried on
 MOST_CONFIRMATIONS = 8
 
 
@@ -53,29 +54,35 @@ class _Job:
     mesh_size_mm: float
     solver: str | None
 
-    def solve(self, pattern: Pattern) -> tuple[StressField, Reanalysis]:
-        """A conforming mesh of the pattern: its field, and the factorised model for further bridges."""
+    def check(self, pattern: Pattern) -> StressField:
+        """The stress field on a conforming mesh."""
+        return analyse(
+            pattern,
+            self.placement,
+            material=self.material,
+            load=self.load,
+            support=self.support,
+            yield_mpa=self.yield_mpa,
+            nozzle_mm=self.nozzle_mm,
+            mesh_size_mm=self.mesh_size_mm,
+            solver=self.solver,
+        )
+
+    def reanalysis(self, pattern: Pattern) -> Reanalysis:
+        """A coarse model of the pattern to try bridges on."""
+        size = LOOP_MESH_MODULES * pattern.module_mm
         model = prepare(
             pattern.polygon,
             self.placement,
             self.material,
             self.support,
             nozzle_mm=self.nozzle_mm,
-            mesh_size_mm=self.mesh_size_mm,
+            mesh_size_mm=size,
+            corner_size_mm=size,
             bends=bends_only(self.load),
         )
         factor = factorise(model.lower(), self.solver)
-        forces = forces_of(model, self.load, factor)
-        analysis = Reanalysis(model, factor, forces, self.nozzle_mm)
-        field = field_of(
-            model,
-            analysis.displacement,
-            forces,
-            average=analysis.average,
-            yield_mpa=self.yield_mpa,
-            solver=factor.name,
-        )
-        return field, analysis
+        return Reanalysis(model, factor, forces_of(model, self.load, factor), self.nozzle_mm)
 
 
 def reinforce(
@@ -107,7 +114,7 @@ def reinforce(
         raise AnalysisError(f"yield stress is {limit} MPa; it must be a positive number")
     size = mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm
     job = _Job(placement, stuff, load, support, limit, nozzle_mm, size, solver)
-    chooser = OptimalChoice(limit) if method == "optimal" else PaperChoice(limit, loss_weight)
+    chooser = OptimalChoice() if method == "optimal" else PaperChoice(loss_weight)
     return _run(pattern, job, chooser, method)
 
 
@@ -115,34 +122,50 @@ Chooser = OptimalChoice | PaperChoice
 
 
 def _run(pattern: Pattern, job: _Job, chooser: Chooser, method: Method) -> Reinforcement:
-    before, analysis = job.solve(pattern)
-    field, current = before, pattern
+    before = job.check(pattern)
+    best = _Stage(pattern, before, ())
+    stage = best
     history = [before.max_stress_mpa]
     confirmations = 0
-    laid: list[Bridge] = []
-    while not field.strong and confirmations < MOST_CONFIRMATIONS:
-        bridged, new, stresses = chooser.lay(current, analysis)
+    while not best.field.strong and confirmations < MOST_CONFIRMATIONS:
+        analysis = job.reanalysis(stage.pattern)
+        # The coarse model understates the peak: what it may show is the limit, understated as much.
+        scale = analysis.largest() / stage.field.max_stress_mpa
+        bridged, new, stresses = chooser.lay(stage.pattern, analysis, scale * job.yield_mpa)
         if not new:
             break
         confirmations += 1
-        checked, analysis = job.solve(bridged)
-        history += [*stresses, checked.max_stress_mpa]
-        laid += new
-        current, field = bridged, checked
+        stage = _Stage(bridged, job.check(bridged), (*stage.bridges, *new))
+        history += [*(stress / scale for stress in stresses), stage.field.max_stress_mpa]
+        if stage.field.max_stress_mpa < best.field.max_stress_mpa:
+            best = stage
+        elif method == "optimal":
+            chooser.avoid(new, stage.field.max_stress_at_mm, pattern.module_mm)
+            stage = best
+    strong = best.field.strong
     return Reinforcement(
-        pattern=current,
+        pattern=best.pattern,
         before=before,
-        after=field,
-        bridges=tuple(laid),
-        iterations=len(laid),
+        after=best.field,
+        bridges=best.bridges,
+        iterations=len(best.bridges),
         confirmations=confirmations,
-        status=STRONG if field.strong else WEAK,
+        status=STRONG if strong else WEAK,
         history=tuple(history),
         method=method,
         yield_mpa=job.yield_mpa,
         removed=chooser.removed,
-        remedies=() if field.strong else remedies(field, pattern, job.yield_mpa),
+        remedies=() if strong else remedies(best.field, pattern, job.yield_mpa),
     )
+
+
+@dataclass(frozen=True)
+class _Stage:
+    """A confirmed pattern with the structural bridges laid so far."""
+
+    pattern: Pattern
+    field: StressField
+    bridges: tuple[Bridge, ...]
 
 
 def remedies(field: StressField, pattern: Pattern, yield_mpa: float) -> tuple[str, ...]:
@@ -153,12 +176,11 @@ def remedies(field: StressField, pattern: Pattern, yield_mpa: float) -> tuple[st
         f"thickness {field.thickness_mm * excess**0.5:.2f} mm instead of {field.thickness_mm:g} mm",
         f"size {pattern.size_mm / excess**0.5:.1f} mm instead of {pattern.size_mm:.1f} mm",
     ]
-    stronger = [
-        m for m in MATERIALS.values() if m.yield_mpa > field.max_stress_mpa and m.name != field.material
-    ]
+    today = material_named(field.material) if field.material in MATERIALS else None
+    stronger = [m for m in MATERIALS.values() if today and m.yield_mpa >= excess * today.yield_mpa]
     if stronger:
         least = min(stronger, key=lambda m: m.yield_mpa)
-        advice.append(f"material {least.name} (yields at {least.yield_mpa:g} MPa)")
+        advice.append(f"{least.name} instead of {field.material}")
     if pattern.symbol.level != "H":
         advice.append(f"error correction above level {pattern.symbol.level}, which can afford more bridges")
     return tuple(advice)
