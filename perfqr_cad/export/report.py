@@ -140,33 +140,43 @@ def _maps(field: StressField, when: str, bridges: Sequence[Bridge], limits: Mapp
 def _scan(report: ScanReport | None) -> str:
     if report is None:
         return "<h2>Scan</h2>\n<p>Not filmed.</p>"
-    tilts = next(iter(report.decoders.values())).tilts_deg if report.decoders else ()
-    rows = [(name, result.rates, _reach(result)) for name, result in report.decoders.items()]
-    heat = markup.heat_map([f"{tilt:g}°" for tilt in tilts], rows)
     backgrounds = markup.table(
         (), [(f"on {name}", f"{rate:.1%}") for name, rate in report.backgrounds.items()]
     )
     sights = [
         _sight(sight, caption)
         for sight, caption in (
-            (report.worst_read, "The worst view that is still read"),
-            (report.first_missed, "The first view that is missed"),
+            (report.worst_read, "The steepest view that all still read"),
+            (report.first_missed, "The first view that one misses"),
         )
         if sight is not None
     ]
     said = [*report.warnings, *report.advice]
     advice = f'<ul class="advice">{"".join(f"<li>{escape(line)}</li>" for line in said)}</ul>' if said else ""
     return (
-        f'<h2>Scan</h2>\n<div class="pair">{markup.figure(heat, "Views read, by tilt from straight above")}\n'
-        f'<div>{backgrounds}</div></div>\n{advice}\n<div class="pair">{"".join(sights)}</div>'
+        f'<h2>Scan</h2>\n<div class="pair">{_heat_maps(list(report.decoders.values()))}</div>\n{advice}\n'
+        f'<div class="pair">{"".join(sights)}</div>\n'
+        f'<div class="pair">{markup.figure(backgrounds, "Views from above that are read, by ground")}</div>'
     )
 
 
-def _reach(result: DecoderResult) -> str:
-    """How far every view is read, and how far the flat print of the same code is: the ceiling."""
-    reach, ceiling = result.max_tilt_deg, result.flat_max_tilt_deg
-    part = "no view from above" if reach is None else f"every view to {reach:g}°"
-    return f"{part}; flat print: {'none' if ceiling is None else f'{ceiling:g}°'}"
+def _heat_maps(decoders: Sequence[DecoderResult]) -> str:
+    """Success by tilt: the part and, where it was filmed too, the flat print of the same code."""
+    columns = [f"{tilt:g}°" for tilt in decoders[0].tilts_deg] if decoders else []
+    part = [(result.name, result.rates, _reach(result.max_tilt_deg)) for result in decoders]
+    print_ = [
+        (result.name, result.flat_rates, _reach(result.flat_max_tilt_deg))
+        for result in decoders
+        if result.flat_rates is not None
+    ]
+    maps = markup.figure(markup.heat_map(columns, part), "The part: views read, by tilt")
+    if print_:
+        maps += markup.figure(markup.heat_map(columns, print_), "A flat print of the same code: the ceiling")
+    return maps
+
+
+def _reach(max_tilt_deg: float | None) -> str:
+    return "no view" if max_tilt_deg is None else f"all to {max_tilt_deg:g}°"
 
 
 def _sight(sight: Sight, caption: str) -> str:
