@@ -1,8 +1,14 @@
-"""From a picture to a code: seeds, grid, samples, correction; the cheap ways first."""
+"""From a picture to a code. Guesses of its place come cheap ones first; each is fitted, sampled and corrected.
+
+A guess becomes a capture only when its function patterns fit, every block is corrected within what the
+standard allows, and the symbol so found agrees with what was seen. Decoders only lend their eyes: the
+payload is always that of the modules sampled here, and must be theirs where they read one.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,81 +16,233 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.capture.art import art_of, rectify
-from perfqr_cad.capture.grid import Grid
-from perfqr_cad.capture.image import load_image, luminance
+from perfqr_cad.capture.finders import Triple, triples
+from perfqr_cad.capture.grid import CORNERS, Floats, Grid, project
+from perfqr_cad.capture.image import Picture, load_image, luminance
 from perfqr_cad.capture.model import Capture, Sampling
-from perfqr_cad.capture.register import correlation, register, turned, workspace
-from perfqr_cad.capture.sampling import global_threshold, levels, sample, soft_log_likelihood, vote_log_likelihood
+from perfqr_cad.capture.register import Workspace, correlation, register, workspace
+from perfqr_cad.capture.sampling import (
+    global_threshold,
+    levels,
+    sample,
+    soft_log_likelihood,
+    vote_log_likelihood,
+)
 from perfqr_cad.capture.seeds import Seed, opencv_seeds, wechat_seeds, zxing_seeds
+from perfqr_cad.capture.views import greys, projections, searched
+from perfqr_cad.capture.warp import bent
 from perfqr_cad.errors import CaptureError, SymbolError
-from perfqr_cad.symbol import Matrix, recover, size_of
+from perfqr_cad.symbol import Matrix, Recovery, layout, recover, size_of
+
+RECTIFIED_MODULE_PX = 12
+LEAST_FIT = 0.35  # correlation with the function patterns; noise and text stay below 0.3
+GOOD_FIT = 0.6  # from here on a failure says that the code is damaged, not that there is none
+SIZES_TRIED = 3  # of those that fit best, for a seed that does not know its size
+SEEDS_TRIED = 60  # bounds the time spent on a picture without a code
+LEAST_AGREEMENT = 0.6  # of the modules with the corrected symbol; by chance it is 0.5 ± 0.02
+SAME_PLACE = 0.12  # of a symbol's side: seeds nearer than this are one
 
 
-def read(source: str | Path | bytes | NDArray[Any], *, sampling: Sampling = "soft") -> Capture:
-    """The QR code in a picture. CaptureError when there is none, or none that can be corrected."""
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """A grid whose modules were corrected to a symbol."""
+
+    picture: Picture
+    grid: Grid
+    light: NDArray[np.float64]
+    dark: NDArray[np.float64]
+    log_likelihood: NDArray[np.float64]
+    recovery: Recovery
+
+
+def read(
+    source: str | Path | bytes | NDArray[Any],
+    *,
+    sampling: Sampling = "soft",
+    rectified_module_px: int = RECTIFIED_MODULE_PX,
+) -> Capture:
+    """The QR code in a picture.
+
+    source    what `load_image` takes
+    sampling  "soft": shades against the levels of dark and light nearby; "gaussian": the majority of the
+              paper's Gaussian points in the picture binarised by one threshold (§4.2)
+
+    CaptureError says whether no code was found, or one that is damaged beyond its capacity.
+    """
     picture = load_image(source)
-    grey = luminance(picture)
-    last = None
-    for seed in _seeds(grey):
-        for grid, fit in _grids(grey, seed):
+    damage: tuple[float, str] = (0.0, "")
+    for seed in _distinct(_seeds(picture)):
+        for space, grid, fit in _registered(luminance(picture), seed):
             try:
-                return _capture(grey, grid, fit, seed.engine, sampling)
-            except SymbolError as e:
-                last = e
-    if last:
-        raise CaptureError(f"the code in {_name(source)} is {last}") from last
-    height, width = grey.shape
-    raise CaptureError(
-        f"no QR code found in {_name(source)} ({width} × {height} pixels): take a sharper, straighter or larger "
-        "picture with all three finder patterns in it"
+                found = _corrected(picture, space, grid, fit, seed, sampling)
+            except SymbolError as failure:
+                damage = max(damage, (abs(fit), str(failure)))
+            else:
+                return _capture(found, seed.engine, fit < 0, rectified_module_px)
+    raise CaptureError(_failure(source, picture, *damage))
+
+
+def _seeds(picture: Picture) -> Iterator[Seed]:
+    """Guesses by decoders and by our own search, in all views, cheapest first."""
+    views = greys(picture)
+    for decoder in (zxing_seeds, _finder_seeds, wechat_seeds, opencv_seeds):
+        yield from decoder(views[0])
+    for view in views[1:]:
+        yield from zxing_seeds(view)
+        yield from _finder_seeds(view)
+    for view in views:
+        for name, image, back in searched(view):
+            for decoder in (zxing_seeds, _finder_seeds):
+                for seed in decoder(image):
+                    yield replace(seed, engine=f"{seed.engine}, {name}", corners=project(back, seed.corners))
+
+
+def _finder_seeds(image: Picture) -> Iterator[Seed]:
+    for triple in triples(image):
+        for size in _plausible(triple):
+            yield Seed("finders", triple.corners(size), (size,), None, True)
+
+
+def _plausible(triple: Triple) -> tuple[int, ...]:
+    return triple.sizes[:SIZES_TRIED]
+
+
+def _distinct(seeds: Iterator[Seed]) -> Iterator[Seed]:
+    """Seeds that are not where another of the same size was already, `SEEDS_TRIED` of them at the most."""
+    seen: list[tuple[tuple[int, ...], Floats]] = []
+    for seed in seeds:
+        side = float(np.sqrt(max(np.ptp(seed.corners, axis=0).prod(), 1.0)))
+        key = np.sort(seed.corners.sum(axis=1)), seed.corners.mean(axis=0)
+        corners = np.append(key[0], key[1])
+        if any(sizes == seed.sizes and np.abs(corners - old).max() < SAME_PLACE * side for sizes, old in seen):
+            continue
+        seen.append((seed.sizes, corners))
+        yield seed
+        if len(seen) >= SEEDS_TRIED:
+            return
+
+
+def _registered(grey: Picture, seed: Seed) -> Iterator[tuple[Workspace, Grid, float]]:
+    """The grids that a seed leads to, fitted to the picture, best first."""
+    starts = _starts(grey, seed)
+    fitted = [(space, *register(space, grid)) for space, grid in starts]
+    for space, grid, fit in sorted(fitted, key=lambda one: -abs(one[2])):
+        if abs(fit) >= LEAST_FIT:
+            yield space, grid, fit
+
+
+def _starts(grey: Picture, seed: Seed) -> list[tuple[Workspace, Grid]]:
+    """Grids to begin with: of the given size, or of those whose finders look most like the picture."""
+    sizes = seed.sizes or tuple(size_of(version) for version in range(1, 41))
+    outlines = [seed.corners] if seed.oriented else [np.roll(seed.corners, -k, axis=0) for k in range(4)]
+    grids = [Grid.from_corners(size, corners) for size in sizes for corners in outlines]
+    grids = [grid for grid in grids if grid.module_px > 0]
+    if len(grids) <= 1:
+        return [(workspace(grey, grid), grid) for grid in grids]
+    middle = sorted(grids, key=lambda grid: grid.size)[len(grids) // 2]
+    space = workspace(grey, middle)
+    grids.sort(key=lambda grid: -abs(correlation(space, grid, "finders")))
+    return [(workspace(grey, grid), grid) for grid in grids[:SIZES_TRIED]]
+
+
+def _corrected(
+    picture: Picture, space: Workspace, grid: Grid, fit: float, seed: Seed, sampling: Sampling
+) -> _Found:
+    """The symbol on this grid, on a bent one, or in another colour. SymbolError of the first try when none is."""
+    first: SymbolError | None = None
+    best: _Found | None = None
+    for candidate in _shapes(space, grid, seed):
+        for _, shade in projections(picture, candidate, fit < 0):
+            try:
+                found = _recovered(shade, candidate, seed, sampling)
+            except SymbolError as failure:
+                first = first or failure
+                continue
+            if best is None or sum(found.recovery.errors) < sum(best.recovery.errors):
+                best = found
+            break
+        if best is not None and not any(best.recovery.errors):
+            return best
+    if best is None:
+        raise first or SymbolError("no grid could be laid over the code")
+    return best
+
+
+def _shapes(space: Workspace, grid: Grid, seed: Seed) -> Iterator[Grid]:
+    """The flat grid, then grids bent as the page may be."""
+    yield grid
+    yield bent(space, grid)
+    if seed.engine.startswith("finders") and seed.sizes:
+        yield bent(space, Grid.from_corners(grid.size, seed.corners))
+
+
+def _recovered(shade: Picture, grid: Grid, seed: Seed, sampling: Sampling) -> _Found:
+    """Sampled and corrected, as it is or as in a mirror."""
+    samples = sample(shade, grid)
+    light, dark = levels(samples)
+    if sampling == "soft":
+        likely = soft_log_likelihood(samples, light, dark)
+    else:
+        likely = vote_log_likelihood(samples, global_threshold(shade))
+    try:
+        return _Found(shade, grid, light, dark, likely, _trusted(likely, seed))
+    except SymbolError as failure:
+        try:
+            recovery = _trusted(likely.T, seed)
+        except SymbolError:
+            raise failure from None
+        return _Found(shade, _transposed(grid), light.T, dark.T, likely.T, recovery)
+
+
+def _trusted(likely: NDArray[np.float64], seed: Seed) -> Recovery:
+    """The recovery, unless it contradicts what was seen or what the decoder read."""
+    recovery = recover(Matrix.from_array(likely > 0), log_likelihood=likely)
+    placed = layout(recovery.observed.version, recovery.symbol.level).codeword_of >= 0
+    same = recovery.observed.dark[placed] == recovery.symbol.matrix.dark[placed]
+    if same.mean() < LEAST_AGREEMENT:
+        raise SymbolError(
+            f"corrected to a symbol that only {same.mean():.0%} of the modules agree with, at least "
+            f"{LEAST_AGREEMENT:.0%} must: take a clearer picture"
+        )
+    if any(recovery.erasures) and seed.payload is not None and seed.payload != recovery.payload.data:
+        raise SymbolError(f"read otherwise than by {seed.engine}, after erasures: take a clearer picture")
+    return recovery
+
+
+def _transposed(grid: Grid) -> Grid:
+    """The grid of the mirrored symbol: rows and columns change places."""
+    swap = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, 1]])
+    return replace(grid, homography=grid.homography @ swap, warp=grid.warp.transpose(1, 0, 2)[..., ::-1])
+
+
+def _capture(found: _Found, engine: str, inverted: bool, module_px: int) -> Capture:
+    likely = found.log_likelihood
+    return Capture(
+        matrix=found.recovery.observed,
+        log_likelihood=likely,
+        recovery=found.recovery,
+        art=art_of(found.picture, found.grid, likely > 0, found.light, found.dark),
+        rectified=rectify(found.picture, found.grid, module_px),
+        homography=found.grid.homography,
+        warp=found.grid.warp,
+        confidence=1.0 / (1.0 + np.exp(-np.abs(likely))),
+        engine=engine,
+        inverted=inverted,
+        mirrored=_is_mirrored(found.grid),
     )
 
 
-def _name(source: str | Path | bytes | NDArray[Any]) -> str:
-    return Path(source).name if isinstance(source, str | Path) else "the picture"
+def _is_mirrored(grid: Grid) -> bool:
+    a, b, c, _ = grid.pixels(CORNERS * grid.size)
+    return bool(np.linalg.det(np.stack([b - a, c - a])) < 0)
 
 
-def _seeds(grey: NDArray[np.uint8]) -> Iterator[Seed]:
-    yield from zxing_seeds(grey)
-    yield from wechat_seeds(grey)
-    yield from opencv_seeds(grey)
-
-
-def _grids(grey: NDArray[np.uint8], seed: Seed) -> Iterator[tuple[Grid, float]]:
-    sizes = seed.sizes or tuple(size_of(v) for v in range(1, 41))
-    ranked = []
-    for size in sizes:
-        grid = Grid.from_corners(size, seed.corners)
-        if grid.module_px == 0:
-            continue
-        space = workspace(grey, grid)
-        for quarter in range(1 if seed.oriented else 4):
-            for mirrored in (False, True):
-                t = turned(grid, quarter, mirrored)
-                ranked.append((abs(correlation(space, t)), t, space))
-    ranked.sort(key=lambda one: -one[0])
-    for _, grid, space in ranked[:4]:
-        yield register(space, grid)
-
-
-def _capture(grey, grid: Grid, fit: float, engine: str, sampling: Sampling) -> Capture:
-    inverted = fit < 0
-    image = 255 - grey if inverted else grey
-    samples = sample(image, grid)
-    light, dark = levels(samples)
-    soft = soft_log_likelihood(samples, light, dark) if sampling == "soft" else vote_log_likelihood(samples, global_threshold(image))
-    recovery = recover(Matrix.from_array(soft > 0), log_likelihood=soft)
-    art = art_of(image, grid, soft > 0, light, dark)
-    return Capture(
-        matrix=recovery.observed,
-        log_likelihood=soft,
-        recovery=recovery,
-        art=art,
-        rectified=rectify(image, grid, 12),
-        homography=grid.homography,
-        warp=grid.warp,
-        confidence=1 / (1 + np.exp(-np.abs(soft))),
-        engine=engine,
-        inverted=inverted,
-        mirrored=np.linalg.det(grid.homography) < 0,
+def _failure(source: str | Path | bytes | NDArray[Any], picture: Picture, fit: float, damage: str) -> str:
+    name = Path(source).name if isinstance(source, str | Path) else "the picture"
+    if fit >= GOOD_FIT:
+        return f"the code in {name} cannot be read: {damage}"
+    height, width = picture.shape[:2]
+    return (
+        f"no QR code found in {name} ({width} × {height} pixels): take a sharper, straighter or larger picture "
+        "with all three finder patterns in it"
     )

@@ -19,7 +19,9 @@ from perfqr_cad.symbol import Role, layout
 SPACING = 3  # template samples along a module
 WORK_MODULE_PX = 6.0  # pixels a module in the working copy of the picture
 MARGIN_MODULES = 4.0  # of the working copy around the symbol
-STAGES = (("finders", 1.0, 8), ("all", 0.8, 8), ("all", 0.5, 6))  # modules, blur in modules, iterations
+Stage = tuple[str, float, int]  # known modules, blur in modules, iterations
+FLAT_STAGES: tuple[Stage, ...] = (("finders", 1.0, 8), ("all", 0.8, 8), ("all", 0.5, 6))
+FINDER_STAGES: tuple[Stage, ...] = (("finders", 1.0, 8), ("finders", 0.5, 6))
 CONVERGED = 2e-4  # step in units of half a symbol
 NORMALISE_MODULES = 7  # window in which brightness and contrast are evened out: a finder
 CONTRAST_FLOOR = 0.3  # of the whole symbol's contrast: below it a window is not amplified further
@@ -70,7 +72,7 @@ def _evened(image: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(np.clip((image - mean) / np.maximum(spread, floor), -2.5, 2.5), np.float32)
 
 
-def register(space: Workspace, grid: Grid) -> tuple[Grid, float]:
+def register(space: Workspace, grid: Grid, stages: tuple[Stage, ...] = FLAT_STAGES) -> tuple[Grid, float]:
     """The flat grid, in the picture's pixels, that fits the function patterns best, and how well it does.
 
     The second value is the correlation in −1..1; it is negative for an inverted code.
@@ -78,19 +80,19 @@ def register(space: Workspace, grid: Grid) -> tuple[Grid, float]:
     inside = grid.moved(space.transform)
     # An inverted code fits as well when the picture is taken as its negative.
     sign = -1.0 if correlation(space, grid) < 0 else 1.0
-    for modules, blur, iterations in STAGES:
+    for modules, blur, iterations in stages:
         image = cv2.GaussianBlur(space.image, (0, 0), blur * WORK_MODULE_PX / 2)
         inside = _descend(image * np.float32(sign), inside, template(grid.size, modules, blur), iterations)
     back = inside.moved(np.linalg.inv(space.transform))
     return back, correlation(space, back)
 
 
-def correlation(space: Workspace, grid: Grid) -> float:
-    """Correlation of the picture with all function patterns of the grid, −1..1."""
+def correlation(space: Workspace, grid: Grid, modules: str = "all") -> float:
+    """Correlation of the picture with the function patterns of the grid, −1..1."""
     if grid.module_px == 0:
         return 0.0
-    known = template(grid.size, "all", STAGES[-1][1])
-    image = cv2.GaussianBlur(space.image, (0, 0), STAGES[-1][1] * WORK_MODULE_PX / 2)
+    known = template(grid.size, modules, FLAT_STAGES[-1][1])
+    image = cv2.GaussianBlur(space.image, (0, 0), FLAT_STAGES[-1][1] * WORK_MODULE_PX / 2)
     seen = look_up(image, grid.moved(space.transform).pixels(known.points)[None])[0]
     return _normalised_product(seen, known.values)
 
@@ -162,11 +164,3 @@ def known_modules(size: int, modules: str) -> tuple[NDArray[np.bool_], NDArray[n
         "all": (Role.FINDER, Role.SEPARATOR, Role.TIMING, Role.ALIGNMENT, Role.VERSION, Role.DARK),
     }[modules]
     return np.isin(at.roles, roles), at.function_dark
-
-
-def turned(grid: Grid, quarter: int, mirrored: bool) -> Grid:
-    """The same outline with the symbol turned by quarters, then mirrored about its main diagonal."""
-    corners = np.roll(grid.pixels(CORNERS * grid.size), -quarter, axis=0)
-    if mirrored:
-        corners = corners[[0, 3, 2, 1]]
-    return Grid.from_corners(grid.size, corners)
