@@ -10,20 +10,33 @@ from .report import DecoderResult, ScanReport, Sight
 
 if TYPE_CHECKING:
     from .camera import Camera, Target, View
-    from .certify import certify
+    from .filed import part
+    from .flat import FlatPrint
     from .panel import Panel
-    from .part import Part, load_mesh, place
+    from .placing import Part, load_mesh, place
+    from .proof import FULL, QUICK, Plan, certify, reads
     from .scene import Scene
+    from .search import Goal, Trial, improve
+    from .surrogate import Legibility, legibility
 
+_MODULES = {
+    "camera": ("Camera", "Target", "View"),
+    "filed": ("part",),
+    "flat": ("FlatPrint",),
+    "panel": ("Panel",),
+    "placing": ("Part", "load_mesh", "place"),
+    "proof": ("FULL", "QUICK", "Plan", "certify", "reads"),
+    "scene": ("Scene",),
+    "search": ("Goal", "Trial", "improve"),
+    "surrogate": ("Legibility", "legibility"),
+}
 # Loaded when first asked for: they import OpenCV.
-_LAZY = {
-    "Camera": "camera", "Target": "camera", "View": "camera", "certify": "certify", "Panel": "panel",
-    "Part": "part", "load_mesh": "part", "place": "part", "Scene": "scene",
-}  # fmt: skip
+_LAZY = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
-    "BLACK", "WHITE", "Camera", "DecoderResult", "Light", "Look", "Optics", "Panel", "Part", "ScanReport",
-    "Scene", "Sight", "Target", "View", "certify", "load_mesh", "place",
+    "BLACK", "FULL", "QUICK", "WHITE", "Camera", "DecoderResult", "FlatPrint", "Goal", "Legibility", "Light",
+    "Look", "Optics", "Panel", "Part", "Plan", "ScanReport", "Scene", "Sight", "Target", "Trial", "View",
+    "certify", "improve", "legibility", "load_mesh", "part", "place", "reads",
 ]  # fmt: skip
 
 

@@ -5,6 +5,7 @@ A worker that crashes or hangs is a miss for the decoder that held it; it is rep
 
 from __future__ import annotations
 
+import atexit
 import json
 import queue
 import selectors
@@ -24,6 +25,7 @@ from perfqr_cad.scan.decoders import Gray
 TIME_LIMIT_S = 2.0
 START_LIMIT_S = 60.0  # loading every engine on a busy machine; a worker that needs longer is broken
 Reading = dict[str, tuple[bytes, ...]]
+Source = Gray | Callable[[], Gray]  # a picture, or what makes it when its turn comes
 
 
 class Worker:
@@ -89,6 +91,13 @@ def _line_within(process: subprocess.Popen[bytes], limit_s: float) -> bytes | No
     return process.stdout.readline() or None
 
 
+def _gray(source: Source) -> Gray:
+    image = source() if callable(source) else source
+    if image.dtype != np.uint8 or image.ndim != 2:
+        raise ValueError(f"the panel reads gray uint8 images, not {image.dtype} of shape {image.shape}")
+    return np.ascontiguousarray(image)
+
+
 class Panel:
     """Decoders by name behind worker processes. Use it as a context manager, or call `close`."""
 
@@ -109,23 +118,21 @@ class Panel:
 
     def read_all(
         self,
-        images: Sequence[Gray],
+        images: Sequence[Source],
         *,
         names: Sequence[Sequence[str]] | None = None,
         progress: Callable[[int], None] | None = None,
     ) -> list[Reading]:
         """What each decoder reads in each image; `progress(n)` is told how many images are done.
 
-        `names` says which decoders see which image; all of them by default.
+        `names` says which decoders see which image; all of them by default. An image may be given as a
+        function, which is called in the thread that needs it: pictures are then made while others are read.
         """
-        for image in images:
-            if image.dtype != np.uint8 or image.ndim != 2:
-                raise ValueError(f"the panel reads gray uint8 images, not {image.dtype} of shape {image.shape}")
         tasks: queue.SimpleQueue[int] = queue.SimpleQueue()
         for index in range(len(images)):
             tasks.put(index)
         readings: list[Reading] = [{} for _ in images]
-        failures: list[AnalysisError] = []
+        failures: list[Exception] = []
         lock = threading.Lock()
         done = 0
 
@@ -136,11 +143,11 @@ class Panel:
                     index = tasks.get_nowait()
                 except queue.Empty:
                     return
-                image = np.ascontiguousarray(images[index])
+                asked = self.names if names is None else names[index]
                 try:
-                    asked = self.names if names is None else names[index]
+                    image = _gray(images[index])
                     readings[index] = {name: worker.ask(name, image) for name in asked}
-                except AnalysisError as failure:
+                except Exception as failure:  # noqa: BLE001  raised again by the caller's thread
                     failures.append(failure)
                     return
                 with lock:
@@ -169,3 +176,15 @@ class Panel:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+_shared: dict[tuple[str, ...], Panel] = {}
+
+
+def shared(names: Sequence[str] | None = None) -> Panel:
+    """A panel that is started once and kept for the life of this process: starting costs a second."""
+    key = tuple(names) if names is not None else decoders.available()
+    if key not in _shared:
+        _shared[key] = Panel(key)
+        atexit.register(_shared[key].close)
+    return _shared[key]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import KernelError
 from perfqr_cad.scan.camera import Target
 from perfqr_cad.surface import Placement, Triangles
+
+PLATE_LEVELS = 8  # faces, lip, recess and staple of a plate lie at fewer heights
+PLATE_SLENDERNESS = 0.25  # thickness over width: thicker than this, it is a block
 
 
 @dataclass(frozen=True)
@@ -44,16 +47,15 @@ def place(triangles: Triangles, placement: Placement | None = None, *, edge_mm: 
         origin = np.zeros((1, 2))
         centre, axes = placement.point(origin)[0], placement.frame(origin)[0]
     edge = edge_mm if edge_mm is not None else float((high - low)[:2].max())
-    target = Target(centre, axes, edge)
-    flat = placement.is_flat if placement is not None else _is_plate(vertices)
-    return Part(vertices, faces, target, flat)
+    part = Part(vertices, faces, Target(centre, axes, edge), flat=False)
+    return replace(part, flat=(placement is None or placement.is_flat) and _is_plate(part.in_frame()))
 
 
 def _is_plate(vertices: NDArray[np.float64]) -> bool:
     """A mesh is filmed as a plate when nothing of it but walls lies between a few levels."""
-    levels = np.unique(np.round(vertices[:, 2], 4))
+    levels = np.unique(np.round(vertices[:, 2], 3))
     span = np.ptp(vertices, axis=0)
-    return len(levels) <= 8 and span[2] < 0.25 * max(span[0], span[1])
+    return len(levels) <= PLATE_LEVELS and span[2] < PLATE_SLENDERNESS * max(span[0], span[1])
 
 
 def load_mesh(path: Path | str) -> Triangles:

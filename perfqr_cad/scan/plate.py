@@ -13,7 +13,7 @@ import numpy as np
 
 from perfqr_cad.scan.camera import Camera
 from perfqr_cad.scan.sections import Stack
-from perfqr_cad.scan.skylight import Brightness, Picture
+from perfqr_cad.scan.skylight import Brightness, Picture, zoom
 
 
 @dataclass(frozen=True)
@@ -42,34 +42,53 @@ def shoot(
     stack: Stack, brightness: Brightness, camera: Camera, *, gap_mm: float, front: float, least_web_mm: float
 ) -> Shot:
     """Film a plate. `front` is the irradiance of its front face."""
-    size = (camera.view.size_px, camera.view.size_px)
     to_plane = stack.to_plane()
-    field = np.degrees(np.arctan(0.7 / camera.view.distance))  # half the picture's diagonal, as an angle
+    light_to_plane = to_plane @ zoom(stack.pixels / brightness.ground.shape[0])
     thickness = float(stack.depth_mm[-1])
+    field = np.degrees(np.arctan(0.7 / camera.view.distance))  # half the picture's diagonal, as an angle
     wanted = layers_needed(thickness, camera.view.tilt_deg + field, least_web_mm)
-    chosen = np.unique(np.linspace(0, len(stack.depth_mm) - 1, wanted).round().astype(int))
+    evenly = np.linspace(0, len(stack.depth_mm) - 1, wanted).round().astype(int)
+    chosen = np.union1d(evenly, np.array(brightness.steps, int))
 
-    behind = camera.homography(thickness + gap_mm)
-    scale = stack.material.shape[1] / brightness.ground.shape[0]
-    light_to_plane = to_plane @ _zoom(scale)
-    open_ground = float(front)
-    ground = cv2.warpPerspective(
-        brightness.ground, behind @ light_to_plane, size, flags=cv2.INTER_LINEAR, borderValue=open_ground
-    )
-    material = np.zeros(size, np.float32)
-    through = np.ones(size, np.float32)
+    pixels = (camera.view.size_px, camera.view.size_px)
+    rows, columns, crop = _window(stack, camera)
+    size = (columns.stop - columns.start, rows.stop - rows.start)
+    material = np.zeros(size[::-1], np.float32)
+    through = np.ones(size[::-1], np.float32)
     for k in chosen[::-1]:
-        plane = camera.homography(float(stack.depth_mm[k]))
+        plane = crop @ camera.homography(float(stack.depth_mm[k]))
         cover = cv2.warpPerspective(stack.material[k], plane @ to_plane, size, flags=cv2.INTER_LINEAR)
+        cover = np.multiply(cover, np.float32(1 / 255))
         if k == 0:
             lit = np.float32(front)
         else:
             lit = cv2.warpPerspective(brightness.wall[k], plane @ light_to_plane, size, flags=cv2.INTER_LINEAR)
         material += cover * (lit - material)
         through *= 1 - cover
-    return Shot(material, ground * through, 1 - through, np.linalg.inv(behind))
+
+    behind = camera.homography(thickness + gap_mm)
+    flags, edge = cv2.INTER_LINEAR, float(front)
+    ground = cv2.warpPerspective(brightness.ground, behind @ light_to_plane, pixels, flags=flags, borderValue=edge)
+    ground[rows, columns] *= through
+    return Shot(
+        _padded(material, rows, columns, pixels), ground, _padded(1 - through, rows, columns, pixels),
+        np.linalg.inv(behind),
+    )  # fmt: skip
 
 
-def _zoom(scale: float) -> np.ndarray:
-    """Pixels of a picture `scale` times smaller to pixels of the large one; centres at whole numbers."""
-    return np.array([[scale, 0, (scale - 1) / 2], [0, scale, (scale - 1) / 2], [0, 0, 1.0]])
+def _window(stack: Stack, camera: Camera) -> tuple[slice, slice, np.ndarray]:
+    """Rows and columns of the picture that the plate can touch, and the shift (3, 3) into them."""
+    half = stack.edge_mm / 2
+    square = np.array([[x, y, 1.0] for x in (-half, half) for y in (-half, half)])
+    seen = np.vstack([square @ camera.homography(float(d)).T for d in (stack.depth_mm[0], stack.depth_mm[-1])])
+    corners = seen[:, :2] / seen[:, 2:]
+    low = np.clip(np.floor(corners.min(axis=0)), 0, camera.view.size_px - 1).astype(int)
+    high = np.clip(np.ceil(corners.max(axis=0)) + 1, low + 1, camera.view.size_px).astype(int)
+    crop = np.array([[1, 0, -low[0]], [0, 1, -low[1]], [0, 0, 1.0]])
+    return slice(low[1], high[1]), slice(low[0], high[0]), crop
+
+
+def _padded(picture: Picture, rows: slice, columns: slice, size: tuple[int, int]) -> Picture:
+    whole = np.zeros(size, np.float32)
+    whole[rows, columns] = picture
+    return whole

@@ -2,74 +2,234 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
+from perfqr_cad.errors import AnalysisError, CaptureError, SymbolError
 from perfqr_cad.progress import tell
+from perfqr_cad.scan import advice
 from perfqr_cad.scan.camera import View
+from perfqr_cad.scan.colours import BACKGROUNDS, contrast, contrast_warning
 from perfqr_cad.scan.decoders import CORE, accepted
+from perfqr_cad.scan.flat import FlatPrint
 from perfqr_cad.scan.look import Look
-from perfqr_cad.scan.panel import Panel
-from perfqr_cad.scan.part import place
-from perfqr_cad.scan.report import DecoderResult, ScanReport
+from perfqr_cad.scan.panel import Panel, shared
+from perfqr_cad.scan.placing import place
+from perfqr_cad.scan.report import DecoderResult, ScanReport, Sight
 from perfqr_cad.scan.scene import Scene, jittered
 from perfqr_cad.surface import Placement, Triangles
+from perfqr_cad.symbol import Matrix
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
 
-FRAMES = 3  # a phone tries many frames in the paper's 2 s; a miss is three frames of an unsteady hand missed
+
+@dataclass(frozen=True)
+class Plan:
+    """Which views are filmed. Tilts rise from 0; each is filmed from every azimuth.
+
+    frames   a phone tries many frames in the paper's 2 s; a view is missed when this many frames of an
+             unsteady hand are
+    """
+
+    tilts_deg: tuple[float, ...]
+    azimuths_deg: tuple[float, ...]
+    frames: int = 1
+    backgrounds: tuple[str, ...] = ()
+    size_px: int = 800
+
+    def views(self) -> list[View]:
+        """Every view, the frontal one once."""
+        return [
+            View(tilt, azimuth, size_px=self.size_px)
+            for tilt in self.tilts_deg
+            for azimuth in (self.azimuths_deg if tilt > 0 else self.azimuths_deg[:1])
+        ]
+
+
+# Off the code's axes: walls of both directions show.
+QUICK = Plan((0.0, 20.0, 30.0), (65.0, 205.0), size_px=640)
+FULL = Plan(
+    (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0), (25.0, 115.0, 205.0, 295.0), frames=2, backgrounds=tuple(BACKGROUNDS)
+)
+
+
+class Subject(Protocol):
+    """What can be filmed: a `Scene` or a `FlatPrint`."""
+
+    def prepare(self, look: Look) -> None: ...
+
+    def photo(self, view: View, look: Look | None = None, *, seed: int = 0) -> NDArray[np.uint8]: ...
 
 
 def certify(
     triangles: Triangles,
     placement: Placement | None,
     pattern: Pattern | None,
-    payload: str | bytes,
+    payload: str | bytes | None,
     *,
-    decoders: Sequence[str] = CORE,
-    tilts: Sequence[float] = (0, 20, 30, 45),
-    azimuths: Sequence[float] = (20, 110, 200, 290),
+    plan: Plan = QUICK,
+    decoders: Sequence[str] | None = CORE,
     look: Look | None = None,
-    frames: int = FRAMES,
     seed: int = 0,
 ) -> ScanReport:
-    """Film a solid before a dark ground and report which decoders read the exact payload.
+    """Film a solid and report which decoders read the exact payload, beside the flat print of the same code.
 
-    Without a placement the reader looks down on the top of the mesh. AnalysisError if a decoder is not
-    available here; KernelError if the mesh is empty.
+    placement   where the code lies; None: on the top of the mesh, the reader above
+    pattern     gives the symbol of the flat print; None: it is read off the frontal view if that can be done
+    payload     None: what the decoders that read the frontal view agree on
+    decoders    names, or None for all that this machine has
+
+    AnalysisError if a decoder is not available here, or if no payload was given and none can be read;
+    KernelError if the mesh is empty.
     """
-    tell("scan")
-    edge = None if pattern is None else pattern.size_mm
-    scene = Scene(place(triangles, placement, edge_mm=edge))
-    views = [View(t, a) for t in tilts for a in (azimuths if t > 0 else azimuths[:1])]
-    with Panel(decoders) as panel:
-        read = _reads(scene, views, look or Look(), accepted(payload), panel, frames, seed)
-    results = {}
-    for name in decoders:
-        rates = tuple(
-            float(np.mean([name in names for view, names in zip(views, read, strict=True) if view.tilt_deg == t]))
-            for t in tilts
+    look = look or Look()
+    tell("film the part")
+    scene = Scene(place(triangles, placement, edge_mm=None if pattern is None else pattern.size_mm))
+    panel = shared(decoders)
+    if payload is None:
+        payload = _agreed(scene, look, panel, plan)
+    right = accepted(payload)
+    views = plan.views()
+    read = reads(scene, views, look, right, panel, frames=plan.frames, seed=seed)
+    printed = _flat_print(scene, pattern, look, plan)
+    flat_read = None
+    if printed is not None:
+        tell("film the flat print")
+        flat_read = reads(printed, views, look, right, panel, frames=plan.frames, seed=seed)
+    colours = _backgrounds(scene, look, right, panel, plan, seed)
+    results = {
+        name: DecoderResult(
+            name, plan.tilts_deg, _rates(name, plan, views, read),
+            None if flat_read is None else _rates(name, plan, views, flat_read),
         )
-        results[name] = DecoderResult(name, tuple(map(float, tilts)), rates, rates)
-    return ScanReport(results, {"black": float(np.mean([len(names) > 0 for names in read]))})
+        for name in panel.names
+    }  # fmt: skip
+    worst, first = _telling(scene, views, look, read, panel.names, seed)
+    warning = contrast_warning(contrast(look.material, look.ground))
+    report = ScanReport(_text(payload), results, colours, worst, first, (), warning)
+    return replace(report, advice=advice.sentences(report))
 
 
-def _reads(
-    scene: Scene, views: Sequence[View], look: Look, right: frozenset[bytes], panel: Panel, frames: int, seed: int
+def reads(
+    subject: Subject,
+    views: Sequence[View],
+    look: Look,
+    right: frozenset[bytes],
+    panel: Panel,
+    *,
+    frames: int = 1,
+    seed: int = 0,
 ) -> list[frozenset[str]]:
-    """Which decoders read each view, each given up to `frames` frames."""
+    """Names of the decoders that read one of the `right` payloads in each view, within `frames` frames."""
     read: list[set[str]] = [set() for _ in views]
+    subject.prepare(look)
     for frame in range(frames):
         waiting = [k for k in range(len(views)) if len(read[k]) < len(panel.names)]
-        pictures = []
-        for k in waiting:
-            rng = np.random.default_rng([seed, k, frame])
-            view = jittered(views[k], rng) if frame else views[k]
-            pictures.append(scene.photo(view, look, seed=seed + 1000 * k + frame))
+        pictures = [_picture(subject, views[k], look, seed, k, frame) for k in waiting]
         names = [[name for name in panel.names if name not in read[k]] for k in waiting]
         for k, reading in zip(waiting, panel.read_all(pictures, names=names), strict=True):
             read[k] |= {name for name, payloads in reading.items() if right.intersection(payloads)}
     return [frozenset(names) for names in read]
+
+
+def _picture(
+    subject: Subject, view: View, look: Look, seed: int, index: int, frame: int
+) -> Callable[[], NDArray[np.uint8]]:
+    """One frame of one view, made when it is called for; the first frame is the view itself."""
+    seen = jittered(view, np.random.default_rng([seed, index, frame])) if frame else view
+    return lambda: subject.photo(seen, look, seed=_seed(seed, index, frame))
+
+
+def _seed(seed: int, view: int, frame: int) -> int:
+    """A seed of its own for the noise of every picture."""
+    return int(np.random.SeedSequence([seed, view, frame]).generate_state(1)[0])
+
+
+def _rates(name: str, plan: Plan, views: Sequence[View], read: Sequence[frozenset[str]]) -> tuple[float, ...]:
+    """Share of the azimuths at each tilt that one decoder reads."""
+    hits = {tilt: [] for tilt in plan.tilts_deg}
+    for view, names in zip(views, read, strict=True):
+        hits[view.tilt_deg].append(name in names)
+    return tuple(float(np.mean(hit)) for hit in hits.values())
+
+
+def _agreed(scene: Scene, look: Look, panel: Panel, plan: Plan) -> bytes:
+    """What the decoders that read the part from straight above say, if it is one thing."""
+    view = plan.views()[0]
+    readings = panel.read(scene.photo(view, look))
+    said = {payload for payloads in readings.values() for payload in payloads}
+    if len(said) != 1:
+        found = "nothing" if not said else f"{len(said)} different payloads"
+        raise AnalysisError(
+            f"{len(panel.names)} decoders read {found} from straight above: give the text that the part must show"
+        )
+    return said.pop()
+
+
+def _flat_print(scene: Scene, pattern: Pattern | None, look: Look, plan: Plan) -> FlatPrint | None:
+    """The same symbol on paper, of the same size."""
+    if pattern is not None:
+        return FlatPrint(pattern.symbol.matrix, pattern.size_mm, pattern.quiet_modules)
+    matrix = _matrix_seen(scene.photo(plan.views()[0], look))
+    return None if matrix is None else FlatPrint(matrix, scene.part.target.edge_mm)
+
+
+def _matrix_seen(picture: NDArray[np.uint8]) -> Matrix | None:
+    """The corrected symbol in a frontal view, or None if it cannot be recovered."""
+    from perfqr_cad.capture import read
+
+    try:
+        return read(picture).recovery.symbol.matrix
+    except (CaptureError, SymbolError):
+        return None
+
+
+def _backgrounds(
+    scene: Scene, look: Look, right: frozenset[bytes], panel: Panel, plan: Plan, seed: int
+) -> dict[str, float]:
+    """Share of frontal reads (decoders x frames of an unsteady hand) on each ground, of those on black."""
+    still = [View(size_px=plan.size_px)] * max(plan.frames, 1)
+    views = [jittered(view, np.random.default_rng([seed, k])) for k, view in enumerate(still)]
+    rates: dict[str, float] = {}
+    for name in plan.backgrounds:
+        tell(f"{name} ground")
+        read = reads(scene, views, replace(look, ground=BACKGROUNDS[name]), right, panel, seed=seed)
+        rates[name] = sum(len(names) for names in read) / (len(views) * len(panel.names))
+    return rates
+
+
+def _telling(
+    scene: Scene, views: Sequence[View], look: Look, read: Sequence[frozenset[str]], names: Sequence[str], seed: int
+) -> tuple[Sight | None, Sight | None]:
+    """The steepest view that all readers of the frontal view still read, and the first that one of them misses."""
+    readers = read[0]
+    worst: int | None = None
+    first: int | None = None
+    for k in np.argsort([view.tilt_deg for view in views], kind="stable"):
+        if readers and readers <= read[k]:
+            worst = int(k)
+        elif first is None:
+            first = int(k)
+
+    def sight(k: int | None) -> Sight | None:
+        if k is None:
+            return None
+        missed = tuple(name for name in names if name not in read[k])
+        picture = scene.photo(views[k], look, seed=_seed(seed, k, 0))
+        return Sight(picture, views[k].tilt_deg, views[k].azimuth_deg, tuple(n for n in names if n in read[k]), missed)
+
+    return sight(worst), sight(first)
+
+
+def _text(payload: str | bytes) -> str | None:
+    if isinstance(payload, str):
+        return payload
+    try:
+        return payload.decode()
+    except UnicodeDecodeError:
+        return None

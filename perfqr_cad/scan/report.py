@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class DecoderResult:
-    """One decoder's success by tilt: rates over the azimuths, 0 to 1, for part and flat print."""
+    """One decoder's success by tilt: rates over the azimuths, 0 to 1, for the part and for the flat print.
+
+    flat_rates is None when there was no symbol to print.
+    """
 
     name: str
     tilts_deg: tuple[float, ...]
     rates: tuple[float, ...]
-    flat_rates: tuple[float, ...]
+    flat_rates: tuple[float, ...] | None
 
     @property
     def frontal(self) -> bool:
@@ -24,9 +27,9 @@ class DecoderResult:
         return self.rates[0] > 0
 
     @property
-    def flat_frontal(self) -> bool:
+    def flat_frontal(self) -> bool | None:
         """Whether it reads the flat print from straight above."""
-        return self.flat_rates[0] > 0
+        return None if self.flat_rates is None else self.flat_rates[0] > 0
 
     @property
     def max_tilt_deg(self) -> float | None:
@@ -36,7 +39,13 @@ class DecoderResult:
     @property
     def flat_max_tilt_deg(self) -> float | None:
         """The same for the flat print: the ceiling of what a part can reach."""
-        return _limit(self.tilts_deg, self.flat_rates)
+        return None if self.flat_rates is None else _limit(self.tilts_deg, self.flat_rates)
+
+
+def _by_tilt(tilts: tuple[float, ...], rates: tuple[float, ...] | None) -> dict[str, float] | None:
+    if rates is None:
+        return None
+    return {f"{tilt:g}": round(rate, 4) for tilt, rate in zip(tilts, rates, strict=True)}
 
 
 def _limit(tilts: tuple[float, ...], rates: tuple[float, ...]) -> float | None:
@@ -61,8 +70,15 @@ class Sight:
 
 @dataclass(frozen=True)
 class ScanReport:
-    """Decoders by tilt and by background, the telling views, and advice in plain sentences."""
+    """Decoders by tilt and by background, the telling views, and advice in plain sentences.
 
+    payload       the text that had to come back; None if it is no text
+    backgrounds   share of frontal views read on each ground, over all decoders
+    worst_read    the steepest view that every frontal reader still reads
+    first_missed  the least steep view that one of them misses
+    """
+
+    payload: str | None
     decoders: dict[str, DecoderResult]
     backgrounds: dict[str, float]
     worst_read: Sight | None = None
@@ -78,13 +94,15 @@ class ScanReport:
     def as_dict(self) -> dict[str, Any]:
         """The certificate's section."""
         return {
+            "payload": self.payload,
             "decoders": {
                 name: {
                     "frontal": result.frontal,
                     "max_tilt_deg": result.max_tilt_deg,
                     "flat_frontal": result.flat_frontal,
                     "flat_max_tilt_deg": result.flat_max_tilt_deg,
-                    "rates": {f"{t:g}": round(r, 4) for t, r in zip(result.tilts_deg, result.rates, strict=True)},
+                    "rates": _by_tilt(result.tilts_deg, result.rates),
+                    "flat_rates": _by_tilt(result.tilts_deg, result.flat_rates),
                 }
                 for name, result in self.decoders.items()
             },
@@ -92,6 +110,12 @@ class ScanReport:
             "advice": list(self.advice),
             "warnings": list(self.warnings),
         }
+
+    def heat_map(self) -> NDArray[np.uint8]:
+        """Decoders x tilts as a picture (H, W, 3): part on the left, flat print on the right."""
+        from perfqr_cad.scan.heatmap import draw
+
+        return draw(tuple(self.decoders.values()))
 
     def render(self) -> str:
         """The report as plain text."""
@@ -104,4 +128,5 @@ class ScanReport:
         ]
         columns = ("decoder", *(f"{tilt:g}°" for tilt in tilts), "part to", "flat print to")
         seen = [f"on {name}: {rate:.0%}" for name, rate in self.backgrounds.items()]
-        return Table("Views read, by tilt", columns, tuple(rows), (*seen, *self.warnings, *self.advice)).render()
+        title = f"Views read, by tilt: {self.payload!r}"
+        return Table(title, columns, tuple(rows), (*seen, *self.warnings, *self.advice)).render()

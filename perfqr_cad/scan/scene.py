@@ -3,32 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.scan import photo, plate, sections, skylight
+from perfqr_cad.scan import photo, plate, rays, sections, skylight
 from perfqr_cad.scan.camera import Camera, View
 from perfqr_cad.scan.look import Light, Look
-from perfqr_cad.scan.part import Part
+from perfqr_cad.scan.placing import Part
 from perfqr_cad.scan.plate import Shot
 
 STEEPEST_DEG = 65.0  # no decoder reads a flat print beyond 60° (paper, Fig. 14)
 LEAST_WEB_MM = 0.4  # one line of the common nozzle: nothing thinner is printed
 SECTION_PX = 800  # sections as fine as a 1000-pixel view that the part fills to 80 %
 MARGIN = 1.08  # sections reach this far beyond the part, so that its outer walls have lit air beside them
+TARGET_PX = 450  # a code seen smaller than this is rendered larger and averaged down
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A part, whose light is worked out on first use. `photo` gives a gray picture (H, W) uint8."""
+    """A part before the camera; light and sections are worked out on first use and kept."""
 
     part: Part
     least_web_mm: float = LEAST_WEB_MM
 
+    def prepare(self, look: Look) -> None:
+        """Work out sections and light now, before several threads ask for pictures."""
+        if self.part.flat:
+            self._brightness(look, _reflectance(look))
+        else:
+            _ = self._tracer
+
     def photo(self, view: View, look: Look | None = None, *, seed: int = 0) -> NDArray[np.uint8]:
-        """What the camera delivers, gray."""
+        """What the camera delivers: gray (H, W) uint8, the same for the same seed."""
         look = look or Look()
         return photo.develop(self.shot(view, look), look, front=look.light.on_front, seed=seed)
 
@@ -39,41 +48,76 @@ class Scene:
 
     def shot(self, view: View, look: Look) -> Shot:
         """Light on the picture before colours and camera faults."""
-        camera = Camera(view, self.part.target)
-        stack = self._stack()
-        reflectance = round(float(np.dot(photo.LUMA, look.material)), 2)
-        lit = _lit(self, look.light, look.gap_mm, reflectance)
+        finer = int(np.clip(np.ceil(TARGET_PX / (view.fill * view.size_px)), 1, 4))
+        camera = Camera(replace(view, size_px=view.size_px * finer), self.part.target)
+        reflectance = _reflectance(look)
+        if self.part.flat:
+            shot = self._film_plate(camera, look, reflectance)
+        else:
+            shot = self.cast(camera, look, reflectance)
+        return shot if finer == 1 else _smaller(shot, finer)
+
+    def _film_plate(self, camera: Camera, look: Look, reflectance: float) -> Shot:
         return plate.shoot(
-            stack, lit, camera, gap_mm=look.gap_mm, front=look.light.on_front, least_web_mm=self.least_web_mm
+            self._stack,
+            self._brightness(look, reflectance),
+            camera,
+            gap_mm=look.gap_mm,
+            front=look.light.on_front,
+            least_web_mm=self.least_web_mm,
         )
 
+    def _brightness(self, look: Look, reflectance: float) -> skylight.Brightness:
+        key = look.light, look.gap_mm, reflectance
+        if key not in self._lit:
+            self._lit[key] = skylight.brightness(
+                self._stack, look.light, gap_mm=look.gap_mm, reflectance=reflectance
+            )
+        return self._lit[key]
+
+    def cast(self, camera: Camera, look: Look, reflectance: float) -> Shot:
+        """The view by ray casting, which any mesh allows; the samples depend on the view only."""
+        return rays.shoot(
+            self._tracer, camera, look.light, gap_mm=look.gap_mm, reflectance=reflectance, seed=camera.view.size_px
+        )
+
+    @cached_property
+    def _lit(self) -> dict[tuple[Light, float, float], skylight.Brightness]:
+        return {}
+
+    @cached_property
+    def _tracer(self) -> rays.Tracer:
+        return rays.tracer(self.part)
+
+    @cached_property
     def _stack(self) -> sections.Stack:
-        return _stack(self)
+        vertices = self.part.in_frame()
+        thickness = float(np.ptp(vertices[:, 2]))
+        return sections.stack(
+            vertices,
+            self.part.faces,
+            edge_mm=MARGIN * 2 * float(np.abs(vertices[:, :2]).max()),
+            layers=plate.layers_needed(thickness, STEEPEST_DEG, self.least_web_mm),
+            pixels=SECTION_PX,
+        )
 
-    def __hash__(self) -> int:
-        return id(self.part)
+
+def _reflectance(look: Look) -> float:
+    """The material's reflectance for light that bounces in the holes, as one number."""
+    return round(float(np.dot(photo.LUMA, look.material)), 2)
 
 
-@lru_cache(maxsize=4)
-def _stack(scene: Scene) -> sections.Stack:
-    vertices = scene.part.in_frame()
-    thickness = float(np.ptp(vertices[:, 2]))
-    return sections.stack(
-        vertices,
-        scene.part.faces,
-        edge_mm=MARGIN * 2 * float(np.abs(vertices[:, :2]).max()),
-        layers=plate.layers_needed(thickness, STEEPEST_DEG, scene.least_web_mm),
-        pixels=SECTION_PX,
+def _smaller(shot: Shot, factor: int) -> Shot:
+    """The shot at a resolution `factor` times lower, by area."""
+    size = (shot.cover.shape[1] // factor, shot.cover.shape[0] // factor)
+    material, ground, cover = (
+        cv2.resize(p, size, interpolation=cv2.INTER_AREA) for p in (shot.material, shot.ground, shot.cover)
     )
-
-
-@lru_cache(maxsize=16)
-def _lit(scene: Scene, light: Light, gap_mm: float, reflectance: float) -> skylight.Brightness:
-    return skylight.brightness(_stack(scene), light, gap_mm=gap_mm, reflectance=reflectance)
+    return Shot(material, ground, cover, shot.to_ground @ skylight.zoom(factor))
 
 
 def jittered(view: View, rng: np.random.Generator) -> View:
-    """The same view by a hand that is not quite still: a few degrees and a few percent."""
+    """The same view by a hand that is not quite still: a degree, a few degrees of roll, a few percent."""
     return replace(
         view,
         tilt_deg=float(np.clip(view.tilt_deg + rng.uniform(-1, 1), 0, 89)),

@@ -14,29 +14,36 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 # Sections are cut this far inside the end faces, as a part of the thickness: a cut through a face is undefined.
 END_INSET = 1e-4
+UPRIGHT = 1e-6  # walls lean by less than this (sine) when all sections between two levels are the same
 
 
 @dataclass(frozen=True)
 class Stack:
     """Sections of a plate, front first.
 
-    material   (K, n, n) float32 in [0, 1], row 0 at the top (largest y)
+    material   K pictures (n, n) uint8, 255 = solid, row 0 at the top (largest y); where walls are upright,
+               neighbours are one and the same array
     depth_mm   (K,) below the front face, increasing
     edge_mm    edge of the square that the pictures cover, centred on the target
     """
 
-    material: NDArray[np.float32]
+    material: tuple[NDArray[np.uint8], ...]
     depth_mm: Floats
     edge_mm: float
 
     @property
+    def pixels(self) -> int:
+        """Edge of the pictures in pixels."""
+        return self.material[0].shape[0]
+
+    @property
     def px_per_mm(self) -> float:
         """Resolution of the pictures."""
-        return self.material.shape[1] / self.edge_mm
+        return self.pixels / self.edge_mm
 
     def to_plane(self) -> Floats:
         """(3, 3) from picture pixels (centres at whole numbers) to (x, y) in mm."""
-        step, n = self.edge_mm / self.material.shape[1], self.material.shape[1]
+        step, n = self.edge_mm / self.pixels, self.pixels
         first = (n - 1) / 2 * step
         return np.array([[step, 0, -first], [0, -step, first], [0, 0, 1.0]])
 
@@ -66,6 +73,14 @@ def cut(vertices: Floats, faces: NDArray[np.integer], height: float) -> Floats:
     lone_above = above[turned[:, 0]]
     segments[lone_above] = segments[lone_above][:, ::-1]
     return segments
+
+
+def _upright(vertices: Floats, faces: NDArray[np.integer], height: float) -> bool:
+    """Whether every triangle that the plane z = `height` cuts stands upright."""
+    above = (vertices[:, 2] > height)[faces].sum(axis=1)
+    corner = vertices[faces[(above == 1) | (above == 2)]]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    return bool(np.all(np.abs(normal[:, 2]) <= UPRIGHT * np.linalg.norm(normal, axis=1)))
 
 
 def area(segments: Floats, shape: tuple[int, int]) -> NDArray[np.float32]:
@@ -119,11 +134,19 @@ def stack(
     """
     top, bottom = float(vertices[:, 2].max()), float(vertices[:, 2].min())
     inset = END_INSET * (top - bottom)
-    heights = np.linspace(top - inset, bottom + inset, layers)
     scale = pixels / edge_mm
-    material = np.empty((layers, pixels, pixels), np.float32)
-    for k, height in enumerate(heights):
-        segments = cut(vertices, faces, float(height)) * [scale, -scale] + pixels / 2
-        material[k] = area(segments, (pixels, pixels))
-    material.setflags(write=False)
-    return Stack(material, np.linspace(0.0, top - bottom, layers), edge_mm)
+    levels = np.unique(np.round(vertices[:, 2], 6))
+    kept: dict[int, NDArray[np.uint8]] = {}
+    material: list[NDArray[np.uint8]] = []
+    for height in np.linspace(top - inset, bottom + inset, layers):
+        slab = int(np.searchsorted(levels, height))
+        if slab not in kept:
+            segments = cut(vertices, faces, float(height)) * [scale, -scale] + pixels / 2
+            picture = (255 * area(segments, (pixels, pixels)) + 0.5).astype(np.uint8)
+            picture.setflags(write=False)
+            material.append(picture)
+            if _upright(vertices, faces, float(height)):
+                kept[slab] = picture
+        else:
+            material.append(kept[slab])
+    return Stack(tuple(material), np.linspace(0.0, top - bottom, layers), edge_mm)

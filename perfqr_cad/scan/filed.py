@@ -1,0 +1,68 @@
+"""`perfqr scan PART`: a written part goes before the camera."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+from perfqr_cad.errors import DesignError, KernelError
+from perfqr_cad.scan.placing import load_mesh
+from perfqr_cad.scan.proof import FULL, Plan, certify
+from perfqr_cad.scan.report import ScanReport
+from perfqr_cad.surface import Placement, Triangles
+
+MESHES = (".stl", ".3mf", ".ply", ".obj", ".off")
+STEPS = (".step", ".stp")
+# Of the files beside a design.json, the first of these that exists is filmed.
+PREFERRED = (".stl", ".3mf", ".step", ".stp")
+
+
+def part(
+    path: str | Path,
+    text: str | None = None,
+    *,
+    mesh_step: Callable[[Path], Triangles] | None = None,
+    placement: Placement | None = None,
+    plan: Plan = FULL,
+    decoders: tuple[str, ...] | None = None,
+    seed: int = 0,
+) -> ScanReport:
+    """Film a written part: .stl, .3mf, .step, or a design.json with the files that it names.
+
+    text        what must come back; None: what the design.json says, or what the decoders agree on
+    mesh_step   triangles of a STEP file; the solid modeller is not ours to call
+    placement   where the code lies; None: on the top of the part, the reader above
+
+    KernelError if the file cannot be read, DesignError if it is no kind of part.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix == ".json":
+        path, said = _of_design(path)
+        suffix, text = path.suffix.lower(), said if text is None else text
+    if suffix in MESHES:
+        triangles = load_mesh(path)
+    elif suffix in STEPS and mesh_step is not None:
+        if not path.is_file():
+            raise KernelError(f"{path} does not exist: give the path of a written part")
+        triangles = mesh_step(path)
+    else:
+        raise DesignError(f"{path.name} is no part: give an .stl, .3mf or .step file, or a design.json")
+    return certify(triangles, placement, None, text, plan=plan, decoders=decoders, seed=seed)
+
+
+def _of_design(path: Path) -> tuple[Path, str | None]:
+    """The file to film and the payload, from a certificate."""
+    try:
+        certificate = json.loads(path.read_text())
+        names = [Path(record["path"]) for record in certificate["files"]]
+        payload = certificate["payload"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise DesignError(f"{path} is no certificate of a design ({error}): give a design.json") from error
+    written = [path.parent / name.name for name in names] + names
+    for suffix in PREFERRED:
+        for candidate in written:
+            if candidate.suffix.lower() == suffix and candidate.is_file():
+                return candidate, payload
+    raise DesignError(f"{path} names no .stl, .3mf or .step file that exists: write one beside it")

@@ -1,0 +1,47 @@
+"""The flat print of a code: what a decoder can do at best with it, from the same views."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perfqr_cad.scan import photo, plate
+from perfqr_cad.scan.camera import Camera, View, facing_up
+from perfqr_cad.scan.look import Look
+from perfqr_cad.scan.sections import Stack
+from perfqr_cad.scan.skylight import Brightness
+from perfqr_cad.symbol import Matrix
+
+MODULE_PX = 16  # of the printed picture; the camera sees fewer
+
+
+@dataclass(frozen=True)
+class FlatPrint:
+    """Ink on paper: light modules and quiet zone have the material's reflectance, dark ones the ground's."""
+
+    matrix: Matrix
+    edge_mm: float
+    quiet_modules: int = 4
+
+    def prepare(self, look: Look) -> None:
+        """Nothing has to be worked out before a flat print is filmed."""
+
+    def photo(self, view: View, look: Look | None = None, *, seed: int = 0) -> NDArray[np.uint8]:
+        """Gray picture (H, W) uint8, by the same camera as the part's."""
+        look = look or Look()
+        front = look.light.on_front
+        camera = Camera(view, facing_up((0.0, 0.0, 0.0), self.edge_mm))
+        shot = plate.shoot(self._stack(), _evenly_lit(front), camera, gap_mm=0.0, front=front, least_web_mm=1.0)
+        return photo.develop(shot, look, front=front, seed=seed)
+
+    def _stack(self) -> Stack:
+        light = np.pad(~self.matrix.dark, self.quiet_modules, constant_values=True)
+        picture = np.kron(light, np.ones((MODULE_PX, MODULE_PX), bool)) * np.uint8(255)
+        return Stack((picture,), np.zeros(1), self.edge_mm)
+
+
+def _evenly_lit(front: float) -> Brightness:
+    even = np.full((1, 1), front, np.float32)
+    return Brightness(even[None], even, ())

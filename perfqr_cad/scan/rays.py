@@ -1,0 +1,153 @@
+"""Views of any closed mesh by ray casting (Embree): exact visibility, light by sampled rays.
+
+Light is worked out at a quarter of the pixels, with one lamp ray, one sky ray and one reflection each,
+and averaged over neighbours that face the same way; edges between faces stay sharp.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from perfqr_cad.scan.camera import Camera
+from perfqr_cad.scan.look import Light
+from perfqr_cad.scan.placing import Part
+from perfqr_cad.scan.plate import Shot
+from perfqr_cad.scan.skylight import Picture
+
+Floats = NDArray[np.float64]
+LIFT_MM = 1e-3  # rays leave a surface from this far above it, or they would meet it again
+SAMPLE_STEP = 2  # light is sampled at every second pixel of every second row
+SMOOTH_PX = 4.0  # and averaged over about 2 pi 4² / 4 = 25 samples
+_TINY = 1e-6
+
+
+@dataclass(frozen=True)
+class Tracer:
+    """A mesh in the frame of its code (z towards the reader), ready for rays."""
+
+    scene: Any
+    normals: Floats
+    lowest_mm: float
+
+    def hit(self, origins: Floats, directions: Floats) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Triangle (-1 for none) and distance for each ray."""
+        found = self.scene.run(origins.astype(np.float32), directions.astype(np.float32), output=1)
+        return found["primID"], found["tfar"]
+
+    def blocked(self, origins: Floats, directions: Floats) -> NDArray[np.bool_]:
+        """Whether anything lies in the way."""
+        found = self.scene.run(origins.astype(np.float32), directions.astype(np.float32), query="OCCLUDED")
+        return found >= 0
+
+
+def tracer(part: Part) -> Tracer:
+    """Build the ray caster of a part."""
+    from embreex.mesh_construction import TriangleMesh
+    from embreex.rtcore_scene import EmbreeScene
+
+    vertices = part.in_frame()
+    scene = EmbreeScene()
+    TriangleMesh(scene, vertices.astype(np.float32), part.faces.astype(np.int32))
+    corner = vertices[part.faces]
+    normals = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-300
+    return Tracer(scene, normals, float(vertices[:, 2].min()))
+
+
+def shoot(
+    tracer: Tracer, camera: Camera, light: Light, *, gap_mm: float, reflectance: float, seed: int
+) -> Shot:
+    """Film a mesh before a level ground, `gap_mm` below its lowest point."""
+    size = camera.view.size_px
+    axes = camera.target.axes
+    eye = (camera.eye_mm - camera.target.centre_mm) @ axes.T
+    directions = camera.directions() @ axes.T
+    triangle, distance = tracer.hit(np.broadcast_to(eye, directions.shape), directions)
+    on_part = triangle >= 0
+    floor = tracer.lowest_mm - gap_mm
+    # Rays that pass the horizon meet the ground nowhere: they see it as if far away.
+    to_floor = (floor - eye[2]) / np.minimum(directions[:, 2], -_TINY)
+    points = eye + directions * np.where(on_part, distance, to_floor)[:, None]
+    normals = np.where(on_part[:, None], tracer.normals[triangle], [0.0, 0.0, 1.0])
+    normals[np.einsum("ij,ij->i", normals, directions) > 0] *= -1
+
+    grid = np.zeros((size, size), bool)
+    grid[::SAMPLE_STEP, ::SAMPLE_STEP] = True
+    sampled = np.nonzero(grid.ravel())[0]
+    rng = np.random.default_rng(seed)
+    light_there = _irradiance(tracer, points[sampled], normals[sampled], light, reflectance, rng)
+    sparse = np.zeros(size * size, np.float32)
+    sparse[sampled] = light_there
+    lit = _spread(sparse.reshape(size, size), grid, _facing(normals, on_part).reshape(size, size))
+    cover = on_part.reshape(size, size).astype(np.float32)
+    ground_plane = camera.homography(-floor)
+    return Shot(lit * cover, lit * (1 - cover), cover, np.linalg.inv(ground_plane))
+
+
+def _irradiance(
+    tracer: Tracer, points: Floats, normals: Floats, light: Light, reflectance: float, rng: np.random.Generator
+) -> Floats:
+    """One sample of lamp, sky and one reflection at each point (k,)."""
+    total, met = _direct(tracer, points, normals, light, rng)
+    onto, where, facing = met
+    reflected, _ = _direct(tracer, where, facing, light, rng)
+    total[onto] += reflectance * reflected
+    return total
+
+
+def _direct(
+    tracer: Tracer, points: Floats, normals: Floats, light: Light, rng: np.random.Generator
+) -> tuple[Floats, tuple[NDArray[np.intp], Floats, Floats]]:
+    """Lamp and sky at each point, and where the sky ray met the part: index, place and normal."""
+    start = points + LIFT_MM * normals
+    lamp = np.broadcast_to(light.lamp_direction, start.shape)
+    cosine = np.maximum(normals @ light.lamp_direction, 0)
+    total = light.lamp * cosine * ~tracer.blocked(start, lamp)
+    sky = _cosine_rays(normals, rng)
+    triangle, distance = tracer.hit(start, sky)
+    total = total + light.ambient * ((triangle < 0) & (sky[:, 2] > 0))
+    onto = np.nonzero(triangle >= 0)[0]
+    where = start[onto] + sky[onto] * distance[onto, None]
+    facing = tracer.normals[triangle[onto]].copy()
+    facing[np.einsum("ij,ij->i", facing, sky[onto]) > 0] *= -1
+    return total, (onto, where, facing)
+
+
+def _cosine_rays(normals: Floats, rng: np.random.Generator) -> Floats:
+    """One direction per normal, as likely as its cosine (Malley's method)."""
+    k = len(normals)
+    radius, angle = np.sqrt(rng.random(k)), 2 * np.pi * rng.random(k)
+    other = np.where(np.abs(normals[:, :1]) > 0.9, [[0.0, 1.0, 0.0]], [[1.0, 0.0, 0.0]])
+    first = np.cross(normals, other)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(normals, first)
+    height = np.sqrt(1 - radius**2)
+    return (
+        first * (radius * np.cos(angle))[:, None]
+        + second * (radius * np.sin(angle))[:, None]
+        + normals * height[:, None]
+    )
+
+
+def _facing(normals: Floats, on_part: NDArray[np.bool_]) -> NDArray[np.int8]:
+    """Class of each pixel: 0 ground, 1 to 6 the axis (+x, -x, +y, -y, +z, -z) that its face looks along."""
+    axis = np.abs(normals).argmax(axis=1)
+    negative = np.take_along_axis(normals, axis[:, None], axis=1)[:, 0] < 0
+    return np.where(on_part, 1 + 2 * axis + negative, 0).astype(np.int8)
+
+
+def _spread(sparse: Picture, grid: NDArray[np.bool_], facing: NDArray[np.int8]) -> Picture:
+    """Sampled light averaged over neighbours of the same class, at every pixel."""
+    lit = np.zeros_like(sparse)
+    for kind in np.unique(facing):
+        mine = facing == kind
+        here = (mine & grid).astype(np.float32)
+        weight = cv2.GaussianBlur(here, (0, 0), SMOOTH_PX)
+        mean = cv2.GaussianBlur(sparse * here, (0, 0), SMOOTH_PX) / (weight + _TINY)
+        lit[mine] = mean[mine]
+    return lit
