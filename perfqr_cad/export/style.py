@@ -13,6 +13,7 @@ h1 { font-size: 26px; margin: 0; } h2 { font-size: 18px; margin: 38px 0 12px; pa
 .chips li { border: 1px solid var(--rule); border-radius: 14px; padding: 2px 11px; font-size: 13px; }
 .pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(330px, 1fr)); gap: 22px;
   align-items: start; }
+.pair + .pair { margin-top: 20px; }
 figure { margin: 0; } figcaption { color: var(--soft); font-size: 13px; margin-top: 6px; }
 figure img, figure svg { display: block; width: 100%; height: auto; border-radius: 4px; }
 .plan svg { background: #30353c; }

@@ -1,0 +1,48 @@
+"""Writes the golden outlines: `python tests/golden/export_files.py`, after a change of format that is meant.
+
+The part is a 12 × 8 × 1.5 mm plate with every kind of segment; the files are short enough to be read by eye.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+from perfqr_cad import export
+from perfqr_cad.pattern import Arc, Bezier, Bridge, Circle, Line, Loop, Region
+
+GOLDEN = Path(__file__).with_name("export")
+NAMES = ("part.svg", "part.scad")
+THICKNESS_MM = 1.5
+
+
+def part() -> SimpleNamespace:
+    """The plate as exporters see it."""
+    outer = Loop(
+        (
+            Line((-6, -4), (6, -4)),
+            Line((6, -4), (6, 3)),
+            Arc((6, 3), (5, 4), (5, 3), True),
+            Line((5, 4), (-6, 4)),
+            Line((-6, 4), (-6, -4)),
+        )
+    )
+    drop = Loop((Bezier((2, 0), (2, -1.5), (4, -1.5), (4, 0)), Line((4, 0), (2, 0)))).oriented(ccw=False)
+    region = Region(outer, (Loop((Circle((-3, 1), 1.25, False),)), drop))
+    bridge = Bridge((-3, -0.25), (-3, 2.25), 0.8, "structural", 1.0)
+    return SimpleNamespace(
+        pattern=SimpleNamespace(region=region, bridges=(bridge,)),
+        placement=SimpleNamespace(is_flat=True, thickness_mm=THICKNESS_MM),
+        solid=SimpleNamespace(name="golden plate", volume_mm3=region.area * THICKNESS_MM),
+    )
+
+
+def write(folder: Path) -> None:
+    """Write every golden file into a folder."""
+    for name in NAMES:
+        export.write(part(), folder / name)
+
+
+if __name__ == "__main__":
+    GOLDEN.mkdir(exist_ok=True)
+    write(GOLDEN)
