@@ -189,7 +189,7 @@ class Damage:
             part[max(b - top, 0) : max(d - top, 0), max(a - left, 0) : max(c - left, 0)] = True
         here = np.s_[y0:y1, x0:x1]
         wrong = ((sampled(part, u) >= 0.5) != self.solid_is_right[here]) & ~self.wrong[here]
-        return np.argwhere(wrong) + (y0, x0)
+        return np.argwhere(wrong) + np.array([y0, x0])
 
     def _lost(self, modules: np.ndarray) -> frozenset[int]:
         groups = self.codeword_of[modules[:, 0], modules[:, 1]]
@@ -203,6 +203,6 @@ class Damage:
 
 
 def _protected_groups(symbol: Symbol) -> np.ndarray:
-    """(n, n) what is lost when a module is wrong: its codeword, or its format region after the codewords; −1 none."""
+    """(n, n) what a wrong module damages: its codeword or, numbered after them, format region; −1 none."""
     plan = layout(symbol.version, symbol.level)
     return np.where(plan.format_region >= 0, plan.blocks.codewords + plan.format_region, plan.codeword_of)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import NamedTuple
@@ -81,15 +81,8 @@ class Draft:
 
     def with_slanted(self, bridge: Bridge) -> Draft:
         """A bar at any angle, with half its width more at both ends so that it is held by what it joins."""
-        import cv2
-
-        outline = [self.lattice.from_mm(p) for p in strip(bridge)]
-        sub = 1 << SUBCELL_BITS
-        # Pixel centres are at whole numbers for OpenCV, at halves on the lattice.
-        corners = np.rint((np.array(outline) - 0.5) * sub).astype(np.int32)
-        canvas = self.solid.astype(np.uint8)
-        cv2.fillConvexPoly(canvas, corners, 1, shift=SUBCELL_BITS)
-        solid = np.asarray(canvas, np.bool_)
+        solid = self.solid.copy()
+        paint_strip(solid, [self.lattice.from_mm(point) for point in strip(bridge)])
         return replace(
             self,
             lattice=self.lattice.with_solid(solid),
@@ -110,6 +103,17 @@ class Draft:
 
 
 SUBCELL_BITS = 8  # OpenCV's fixed-point fraction
+
+
+def paint_strip(solid: Cells, corners: Sequence[tuple[float, float]]) -> None:
+    """Paints a convex polygon, given in lattice coordinates, cell by cell."""
+    import cv2
+
+    # Pixel centres are at whole numbers for OpenCV, at halves on the lattice.
+    fixed = np.rint((np.array(corners) - 0.5) * (1 << SUBCELL_BITS)).astype(np.int32)
+    canvas = solid.astype(np.uint8)
+    cv2.fillConvexPoly(canvas, fixed, 1, shift=SUBCELL_BITS)
+    solid[:] = canvas
 
 
 def strip(bridge: Bridge) -> list[tuple[float, float]]:
@@ -156,7 +160,7 @@ def _corners_near(draft: Draft, modules: Cells) -> set[tuple[int, int]]:
     lattice = draft.lattice
     u, edge = lattice.per_module, lattice.quiet * lattice.per_module
     corners = checkerboards(draft.upright)
-    # A corner on the edge between two modules belongs to both; the centre decides, so rounding may go either way.
+    # A corner on the edge between two modules is far from either centre: it may count for any of them.
     column, row = ((corners - edge) // u).T
     inside = (column >= 0) & (row >= 0) & (column < len(modules)) & (row < len(modules))
     column, row, corners = column[inside], row[inside], corners[inside]
@@ -181,7 +185,7 @@ def _linked(draft: Draft, web_mm: float, gap_mm: float, parted: set[tuple[int, i
                     _cut_band(cells, x, y, gap_leg, not falling)
                 continue
             for cells in (solid, upright):
-                _paint_band(cells, x, y, web_leg, falling)
+                paint_band(cells, x, y, web_leg, falling)
             laid.append(_corner_bridge(lattice, x, y, web_leg, falling))
         draft = replace(
             draft, lattice=lattice.with_solid(solid), upright=upright, bridges=(*draft.bridges, *laid)
@@ -189,7 +193,7 @@ def _linked(draft: Draft, web_mm: float, gap_mm: float, parted: set[tuple[int, i
     return draft.counted(corners_parted=len(parted))
 
 
-def _paint_band(solid: Cells, x: int, y: int, leg: int, falling: bool) -> None:
+def paint_band(solid: Cells, x: int, y: int, leg: int, falling: bool) -> None:
     """Paints the two triangles with the given legs that make a neck through a lattice point.
 
     The stairs of their cells are read back as straight 45° edges when the outline is drawn.

@@ -10,6 +10,7 @@ from perfqr_cad.pattern.draft import Bar, Draft, Rect, link_corners
 from perfqr_cad.pattern.finder import bars
 from perfqr_cad.pattern.finish import Job, finish, mended
 from perfqr_cad.pattern.lattice import Lattice, draw, label
+from perfqr_cad.pattern.paper import join_paper
 from perfqr_cad.pattern.pattern import Pattern
 from perfqr_cad.pattern.size import module_size
 from perfqr_cad.pattern.spec import PatternSpec
@@ -33,13 +34,19 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     web, gap = asked.whole(spec.web_mm), asked.whole(spec.gap_mm)
     draft = tidy(Draft(asked, asked.solid, asked.solid), right_solid, web, gap)
     draft = tie_rings(draft, symbol, spec)
-    draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
     scale = 1 if art is None else art.scale
+    losses: tuple[float, ...] = ()
+    if spec.objective != "optimal":
+        weight = spec.loss_weight if spec.objective == "paper" else 0.0
+        draft, losses = join_paper(draft, symbol, spec.web_mm, weight, solid_is_dark, spec.seed)
+    draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
     draft, optimality = join(draft, symbol, scale, spec.web_mm, solid_is_dark, spec.time_limit_s)
+    if spec.objective != "optimal":
+        optimality = None
     draft = fill_slivers(draft, right_solid, gap)
     draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
     draft = mended(draft, spec)
-    return finish(draft, Job(symbol, spec, islands, reason, optimality))
+    return finish(draft, Job(symbol, spec, islands, reason, optimality, losses))
 
 
 def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float) -> Lattice:
@@ -56,7 +63,13 @@ def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
     half = lattice.whole(spec.web_mm / 2)
     u, edge = lattice.per_module, lattice.quiet * lattice.per_module
     upright: list[Bar] = []
-    for bar in bars(symbol.version, spec.finder):
+
+    def solid(row: int, column: int) -> bool:
+        """Whether the middle of a module is material."""
+        x, y = (edge + (k * u) + u // 2 for k in (column, row))
+        return 0 <= x < lattice.cells and 0 <= y < lattice.cells and bool(lattice.solid[y, x])
+
+    for bar in bars(symbol.version, spec.finder, solid):
         (x0, y0), (x1, y1) = ((round(edge + x * u), round(edge + y * u)) for x, y in (bar.start, bar.end))
         if x0 != x1 and y0 != y1:
             ends = lattice.to_mm(x0, y0), lattice.to_mm(x1, y1)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from perfqr_cad.pattern.spec import FinderStrategy
 from perfqr_cad.symbol.tables import alignment_centres
+
+Solid = Callable[[int, int], bool]
 
 # Distance of the bar's middle from the pattern's corner, in modules: over the corner of the light ring, where
 # a scan line through the middle of the pattern does not meet it.
@@ -38,18 +42,36 @@ def rings(version: int) -> list[Ring]:
     return finders + [Ring(r - 2, c - 2, 5) for r in centres for c in centres if (r, c) not in taken]
 
 
-def bars(version: int, strategy: FinderStrategy) -> list[RingBar]:
-    """Bars across the dark ring of every finder and alignment pattern."""
-    return [bar for ring in rings(version) for bar in _BARS[strategy](ring)]
+def bars(version: int, strategy: FinderStrategy, solid: Solid) -> list[RingBar]:
+    """Bars across the dark ring of every finder and alignment pattern.
+
+    solid tells of a module (row, column), which may lie in the quiet zone, whether it is material. An
+    alignment pattern without material near any corner gets no bar: a route of its own does less harm.
+    """
+    return [bar for ring in rings(version) for bar in _BARS[strategy](ring, solid)]
 
 
-def _side_bar(ring: Ring) -> list[RingBar]:
-    """One bar across the top side, near the left corner."""
-    x, y = ring.column + BAR_OFFSET, float(ring.row)
-    return [RingBar((x, y), (x, y + 1))]
+def _side_bar(ring: Ring, solid: Solid) -> list[RingBar]:
+    """One bar near a corner: the first, clockwise from the left end of the top, that leads to material."""
+    low, high = BAR_OFFSET, ring.size - BAR_OFFSET
+    top, left, size = float(ring.row), float(ring.column), ring.size
+    choices = [
+        (RingBar((left + low, top), (left + low, top + 1)), (-1, low)),
+        (RingBar((left, top + low), (left + 1, top + low)), (low, -1)),
+        (RingBar((left + high, top), (left + high, top + 1)), (-1, high)),
+        (RingBar((left, top + high), (left + 1, top + high)), (high, -1)),
+        (RingBar((left + size - 1, top + low), (left + size, top + low)), (low, size)),
+        (RingBar((left + low, top + size - 1), (left + low, top + size)), (size, low)),
+        (RingBar((left + size - 1, top + high), (left + size, top + high)), (high, size)),
+        (RingBar((left + high, top + size - 1), (left + high, top + size)), (size, high)),
+    ]
+    for bar, (row, column) in choices:
+        if solid(ring.row + math.floor(row), ring.column + math.floor(column)):
+            return [bar]
+    return []
 
 
-def _diagonal_bars(ring: Ring) -> list[RingBar]:
+def _diagonal_bars(ring: Ring, solid: Solid) -> list[RingBar]:
     """The paper's: a 45° bar through each corner of the dark ring."""
     low_x, low_y = float(ring.column), float(ring.row)
     high_x, high_y = low_x + ring.size, low_y + ring.size
@@ -61,4 +83,8 @@ def _diagonal_bars(ring: Ring) -> list[RingBar]:
     ]
 
 
-_BARS = {"panel": _side_bar, "recessed": _side_bar, "diagonal": _diagonal_bars}
+_BARS: dict[FinderStrategy, Callable[[Ring, Solid], list[RingBar]]] = {
+    "panel": _side_bar,
+    "recessed": _side_bar,
+    "diagonal": _diagonal_bars,
+}

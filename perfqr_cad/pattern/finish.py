@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.draft import Draft, strip
-from perfqr_cad.pattern.lattice import Cells, Lattice, sharpened, trace
+from perfqr_cad.pattern.lattice import sharpened, trace
 from perfqr_cad.pattern.outline import Loop, Points, Region
 from perfqr_cad.pattern.pattern import Optimality, Pattern
 from perfqr_cad.pattern.sampling import brightness
@@ -19,7 +18,7 @@ from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.symbol import Matrix, Symbol, readability
 
 if TYPE_CHECKING:
-    from shapely.geometry import Polygon
+    from shapely.geometry import MultiPolygon, Polygon
 
 MOST_MENDS = 4  # rounds; a mend can only join
 WEB_TOL = 0.01  # of the least web: rounding of coordinates and of the arcs of the eroding disc
@@ -34,11 +33,12 @@ class Job:
     islands_before: int
     size_reason: str
     optimality: Optimality | None = None
+    losses: tuple[float, ...] = ()
 
 
 def finish(draft: Draft, job: Job | Pattern) -> Pattern:
     """The pattern of a draft. DesignError when it is not one piece with the least web throughout."""
-    region = outline(draft.lattice, draft.upright, draft.slanted)
+    region = outline(draft)
     pieces = web_pieces(region.polygon(), job.spec.web_mm)
     if len(pieces) != 1:
         raise DesignError(
@@ -53,7 +53,7 @@ def mended(draft: Draft, spec: PatternSpec) -> Draft:
     from shapely.ops import nearest_points
 
     for _ in range(MOST_MENDS):
-        pieces = web_pieces(outline(draft.lattice, draft.upright, draft.slanted).polygon(), spec.web_mm)
+        pieces = web_pieces(ground(draft), spec.web_mm)
         pieces.sort(key=lambda piece: piece.area)
         for k, piece in enumerate(pieces[:-1]):
             other = min(pieces[k + 1 :], key=piece.distance)
@@ -64,7 +64,7 @@ def mended(draft: Draft, spec: PatternSpec) -> Draft:
     return draft
 
 
-def web_pieces(polygon: Polygon, web_mm: float) -> list[Polygon]:
+def web_pieces(polygon: Polygon | MultiPolygon, web_mm: float) -> list[Polygon]:
     """What is left of a polygon after erosion by half the least web."""
     import shapely
 
@@ -89,36 +89,50 @@ def _pattern(draft: Draft, region: Region, job: Job | Pattern) -> Pattern:
         changed_area_mm2=changed,
         edits=draft.edits,
         optimality=job.optimality,
+        losses=job.losses,
         size_reason=job.size_reason,
         draft=draft,
     )
 
 
-def outline(lattice: Lattice, upright: Cells, slanted: Sequence[Bridge]) -> Region:
-    """The boundary of the solid cells in mm, with the slanted bridges added exactly."""
-    half = lattice.cells / 2
-    turns = [(sharpened(loop) - half) * (lattice.cell_mm, -lattice.cell_mm) for loop in trace(upright)]
-    outers = [points for points in turns if _signed_area(points) > 0]
-    holes = [points for points in turns if _signed_area(points) < 0]
-    if slanted:
-        return _with_strips(outers, holes, slanted)
+def outline(draft: Draft) -> Region:
+    """The boundary of the material in mm, the slanted bridges exact. DesignError when it is not one piece."""
+    if draft.slanted:
+        shape = ground(draft)
+        pieces = getattr(shape, "geoms", (shape,))
+        if len(pieces) != 1:
+            raise _in_pieces(len(pieces))
+        return Region.from_polygon(pieces[0])
+    loops = _drawn_loops(draft)
+    areas = [_signed_area(points) for points in loops]
+    outers = [points for points, area in zip(loops, areas, strict=True) if area > 0]
+    holes = [points for points, area in zip(loops, areas, strict=True) if area < 0]
     if len(outers) != 1:
         raise _in_pieces(len(outers))
     return Region(Loop.from_points(outers[0]), tuple(Loop.from_points(hole) for hole in holes))
 
 
-def _with_strips(outers: Sequence[Points], holes: Sequence[Points], slanted: Sequence[Bridge]) -> Region:
+def ground(draft: Draft) -> Any:
+    """The material as a shapely polygon or several."""
     import shapely
-    from shapely.geometry import Polygon
+    from shapely.geometry import LinearRing, MultiLineString, Polygon
 
-    ground = shapely.difference(
-        shapely.union_all([Polygon(points) for points in outers]),
-        shapely.union_all([Polygon(points) for points in holes]),
-    )
-    shape = shapely.union_all([ground, *(Polygon(strip(bridge)) for bridge in slanted)])
-    if not isinstance(shape, Polygon):
-        raise _in_pieces(shapely.get_num_geometries(shape))
-    return Region.from_polygon(shape)
+    shape = shapely.build_area(MultiLineString([LinearRing(points) for points in _drawn_loops(draft)]))
+    if draft.slanted:
+        shape = shapely.union_all([shape, *(Polygon(strip(bridge)) for bridge in draft.slanted)])
+    return shape
+
+
+def _drawn_loops(draft: Draft) -> list[Points]:
+    """Boundary loops in mm, their stairs sharpened, but for those few that would cut themselves by it."""
+    import shapely
+
+    plain = trace(draft.upright)
+    sharp = [sharpened(loop) for loop in plain]
+    sound = shapely.is_valid([shapely.Polygon(loop) for loop in sharp])
+    lattice = draft.lattice
+    half, scale = lattice.cells / 2, np.array([lattice.cell_mm, -lattice.cell_mm])
+    return [((s if ok else p) - half) * scale for s, p, ok in zip(sharp, plain, sound, strict=True)]
 
 
 def _in_pieces(count: int) -> DesignError:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 Point: TypeAlias = tuple[float, float]
 Points: TypeAlias = NDArray[np.float64]
 
+LEAST_MM = 1e-6  # shorter segments are rounding, and no modeller can give them a direction
 FLATTEN_TOL_MM = 0.005  # greatest distance between a curve and its chords; a tenth of a printer's step
 GAUSS_3 = ((-math.sqrt(0.6), 5 / 9), (0.0, 8 / 9), (math.sqrt(0.6), 5 / 9))  # exact to degree 5
 
@@ -202,8 +203,10 @@ class Loop:
 
     @staticmethod
     def from_points(points: Sequence[Point] | Points) -> Loop:
-        """The closed polygon through (k, 2) points, in mm."""
-        corners = [(x, y) for x, y in np.asarray(points, np.float64).tolist()]
+        """The closed polygon through (k, 2) points, in mm; of points closer than `LEAST_MM` one is kept."""
+        corners = np.asarray(points, np.float64)
+        steps = np.abs(corners - np.roll(corners, 1, axis=0)).max(axis=1)
+        corners = [(x, y) for x, y in corners[steps > LEAST_MM].tolist()]
         return Loop(tuple(Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)))
 
     @cached_property

@@ -40,6 +40,7 @@ class Pattern:
     changed_area_mm2  area where the material differs from the art that was asked for
     edits             counts of clean-up changes by name
     optimality        what was proved, None for the baselines
+    losses            L(Q) after each connector of the baselines (Fig. 9); empty for `optimal`
     size_reason       why the module has the size it has
     draft             the lattice that the outline was drawn from
     """
@@ -56,6 +57,7 @@ class Pattern:
     changed_area_mm2: float
     edits: Mapping[str, int]
     optimality: Optimality | None
+    losses: tuple[float, ...]
     size_reason: str
     draft: Draft = field(repr=False)
 

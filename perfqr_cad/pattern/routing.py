@@ -72,7 +72,7 @@ def _stretches(arm: Indices, brush: int) -> list[tuple[int, int, int, int]]:
 
 
 def brush_positions(size: int, brush: int, step: int) -> Indices:
-    """Cells at which the brush's corner may lie, so that it can stand centred on every multiple of the step."""
+    """Cells at which the brush's corner may lie, so that it can stand centred on multiples of the step."""
     return np.arange((-(brush // 2)) % step, size - brush + 1, step)
 
 

@@ -36,7 +36,9 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
         dot_mm = _least_dot(spec, cells_per_module(art.scale) // art.scale)
         if art.scale * dot_mm > least_module:
             least_module = art.scale * dot_mm
-            reason = f"{art.scale} dots of {dot_mm:.3g} mm across, each wide enough for a web of {spec.web_mm:g} mm"
+            reason = (
+                f"{art.scale} dots of {dot_mm:.3g} mm across, wide enough for a web of {spec.web_mm:g} mm"
+            )
     return _rounded_up(least_module * modules) / modules, f"module {least_module:.3g} mm: {reason}"
 
 
@@ -49,7 +51,7 @@ def _least_module(spec: PatternSpec) -> tuple[float, str]:
 
 
 def _least_dot(spec: PatternSpec, cells: int) -> float:
-    """Edge of the least dot of art, mm: it holds a web between two corners parted by a gap, in whole cells."""
+    """Edge of the least dot of art, mm: it holds a web between two corners that are parted by a gap."""
     dot_mm = max(spec.web_mm, (spec.web_mm + spec.gap_mm) / math.sqrt(2))
     while True:
         cell_mm = dot_mm / cells

@@ -11,9 +11,9 @@ charges:
 The partitions that Kruskal's algorithm passes through make the linear relaxation exact for plain trees; the
 pieces of a solution that is not connected give the next inequality, until it is.
 
-Without lost codewords the problem falls apart: an optimal choice needs no pair outside the minimum spanning tree
-of the pairs, and no junction that is dearer than the tree's edges it makes superfluous. Edges that no junction
-could replace are taken, and what is left are small blocks, solved one by one.
+Without lost codewords the problem falls apart: an optimal choice needs no pair outside the minimum spanning
+tree of the pairs, and no junction that is dearer than the tree's edges it makes superfluous. Edges that no
+junction could replace are taken, and what is left are small blocks, solved one by one.
 """
 
 from __future__ import annotations

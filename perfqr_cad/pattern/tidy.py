@@ -1,4 +1,4 @@
-"""Printability: parts of the art thinner than the tool can make are dropped, or grown where a module hangs on them."""
+"""Printability: what is thinner than the tool can make is dropped, or grown where a module hangs on it."""
 
 from __future__ import annotations
 
