@@ -38,8 +38,16 @@ def build(
     colour: Colour = LIGHT,
     chord_mm: float = CHORD_MM,
 ) -> Solid:
-    """The part of a pattern. Raises `DesignError` for walls that cannot be made, `KernelError` for a bad solid."""
-    return build_region(pattern.region, placement, walls, name=name, colour=colour, chord_mm=chord_mm)
+    """The part of a pattern, its webs no thinner at the back than the pattern's minimum. Raises `DesignError` for walls that cannot be made, `KernelError` for a bad solid."""
+    return build_region(
+        pattern.region,
+        placement,
+        walls,
+        min_web_mm=pattern.spec.web_mm,
+        name=name,
+        colour=colour,
+        chord_mm=chord_mm,
+    )
 
 
 def build_region(
@@ -47,6 +55,7 @@ def build_region(
     placement: Placement,
     walls: Walls | None = None,
     *,
+    min_web_mm: float = 0.0,
     name: str = "perforated-qr",
     colour: Colour = LIGHT,
     chord_mm: float = CHORD_MM,
@@ -54,7 +63,7 @@ def build_region(
     """The part of any region of the pattern plane, mm; otherwise as `build`."""
     walls = walls or Walls()
     chart = chart_of(placement)
-    stands = wells(region, placement.thickness_mm, walls, chart.whole_circles)
+    stands = wells(region, placement.thickness_mm, walls, chart.whole_circles, min_web_mm)
     with occ.kernel("building the solid", "simplify the outline or move the code to a smoother place"):
         shape = panel(stands, chart)
         volume = occ.volume(shape)

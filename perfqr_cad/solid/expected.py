@@ -1,8 +1,9 @@
 """The volume a solid must have, from the outline and the map alone: no modeller, no triangles.
 
-V = ∫ dd ∬ J(u, v, d) du dv over the material at each depth d, with J the map's volume density. Green's theorem
-turns the inner integral into ∮ G dv along the loops, ∂G/∂u = J. On a plate G = u and all is exact; elsewhere G
-is tabulated on a fine grid, and the integrals along edges and depths are Gauss rules.
+3 V = ∮ p · dA over the front, the back (or the floors) and the walls. On the caps dA = p_u × p_v du dv, and
+Green's theorem turns the area integral into ∮ G dv along the loops, ∂G/∂u = p · (p_u × p_v): G = z u on a plate,
+G = u · density around an axis, a fine table elsewhere. Walls are ruled between laid segments. All is integrated by
+Gauss rules: exact on a plate up to rounding.
 """
 
 from __future__ import annotations
@@ -20,46 +21,71 @@ from .sampling import Array, derivatives
 from .sections import Well
 
 NODES = 8  # of the Gauss rule along an edge panel; exact to degree 15
-DEPTH_NODES = 4  # J is quadratic in depth, and ruled walls move the edges linearly
+RULING_NODES = 2  # p · (p_t × p_s) is quadratic along a ruling
 CIRCLE_PANELS = 4  # a whole circle is integrated by quarters
 PANEL_MM = 2.0  # on curved walls, where splines join between modules
 TABLE = 161  # grid lines of G over the code: a quarter of a module, or less
 
-Band = tuple[float, float]
+Laid = list[tuple[Segment, float]]  # segments with their depths, mm
 Swept = Callable[[Array], Array]
 
 
 def volume_mm3(wells: Sequence[Well], placement: Placement) -> float:
     """Volume of the panel whose first well is its rim."""
-    bands: dict[Band, tuple[list[Segment], list[Segment]]] = {}
+    rim = wells[0].loops[0].flatten(PANEL_MM)
+    box = rim.min(axis=0), rim.max(axis=0)
+    origin = np.zeros(3) if isinstance(placement, Revolved) else placement.point((0.0, 0.0))[0]
+    mouths = [(s, well.levels[0].depth_mm) for well in wells for s in well.loops[0].segments]
+    feet = [(s, well.levels[-1].depth_mm) for well in wells for s in well.loops[-1].segments]
+    caps = _caps(mouths, placement, origin, box) - _caps(feet, placement, origin, box)
+    return (caps + _walls(wells, placement, origin)) / 3
+
+
+def _caps(laid: Laid, placement: Placement, origin: Array, box: tuple[Array, Array]) -> float:
+    """∬ (p − origin) · (p_u × p_v) du dv inside loops, by depth."""
+    by_depth: dict[float, list[Segment]] = {}
+    for segment, depth in laid:
+        by_depth.setdefault(depth, []).append(segment)
+    total = 0.0
+    for depth, segments in by_depth.items():
+        swept = _swept(placement, depth, origin, box)
+        for panels, rows in _by_panels(segments, placement.is_flat).items():
+            node, weight = gauss(NODES, panels)
+            point, slope = derivatives([segments[i] for i in rows], node)
+            total += float(np.sum(swept(point.reshape(-1, 2)) * (slope[..., 1] * weight).ravel()))
+    return total
+
+
+def _walls(wells: Sequence[Well], placement: Placement, origin: Array) -> float:
+    """∬ p · dA over the ruled walls, dA to the right of travel."""
+    bands: dict[tuple[float, float], tuple[list[Segment], list[Segment]]] = {}
     for well in wells:
         for k in range(len(well.levels) - 1):
             band = well.levels[k].depth_mm, well.levels[k + 1].depth_mm
             upper, lower = bands.setdefault(band, ([], []))
             upper += well.loops[k].segments
             lower += well.loops[k + 1].segments
-    rim = wells[0].loops[0].flatten(PANEL_MM)
-    box = rim.min(axis=0), rim.max(axis=0)
-    return sum(_band_volume(upper, lower, band, placement, box) for band, (upper, lower) in bands.items())
-
-
-def _band_volume(
-    upper: list[Segment], lower: list[Segment], band: Band, placement: Placement, box: tuple[Array, Array]
-) -> float:
-    """Between two levels the loops move along straight lines, as the ruled walls do."""
-    top, bottom = band
-    still = placement.is_flat and upper == lower
-    rules = ((0.0, 1.0),) if still else list(zip(*gauss(DEPTH_NODES, 1), strict=True))
-    tables = [_swept(placement, top + s * (bottom - top), box) for s, _ in rules]
     total = 0.0
-    for panels, rows in _by_panels(upper, placement.is_flat).items():
-        node, weight = gauss(NODES, panels)
-        p0, v0 = derivatives([upper[i] for i in rows], node)
-        p1, v1 = derivatives([lower[i] for i in rows], node)
-        for (s, share), swept in zip(rules, tables, strict=True):
-            point, slope = (1 - s) * p0 + s * p1, (1 - s) * v0 + s * v1
-            total += share * float(np.sum(swept(point.reshape(-1, 2)) * (slope[..., 1] * weight).ravel()))
-    return total * (bottom - top)
+    for (top, bottom), (upper, lower) in bands.items():
+        for panels, rows in _by_panels(upper, placement.is_flat).items():
+            node, weight = gauss(NODES, panels)
+            p1, t1 = _run([upper[i] for i in rows], node, top, placement)
+            p0, t0 = _run([lower[i] for i in rows], node, bottom, placement)
+            p1, p0 = p1 - origin, p0 - origin
+            for s, share in zip(*gauss(RULING_NODES, 1), strict=True):
+                at, along = (1 - s) * p0 + s * p1, (1 - s) * t0 + s * t1
+                flux = np.einsum("kqi,kqi->kq", at, np.cross(along, p1 - p0))
+                total += share * float(np.sum(flux * weight))
+    return total
+
+
+def _run(segments: list[Segment], node: Array, depth_mm: float, placement: Placement) -> tuple[Array, Array]:
+    """Points and derivatives (k, q, 3) of laid segments."""
+    at, slope = derivatives(segments, node)
+    flat = at.reshape(-1, 2)
+    along_u, along_v = (x.reshape(*at.shape[:2], 3) for x in placement.tangents(flat, depth_mm))
+    points = placement.at_depth(flat, depth_mm).reshape(*at.shape[:2], 3)
+    return points, along_u * slope[..., :1] + along_v * slope[..., 1:]
 
 
 def _by_panels(segments: Sequence[Segment], flat: bool) -> dict[int, list[int]]:
@@ -73,17 +99,22 @@ def _by_panels(segments: Sequence[Segment], flat: bool) -> dict[int, list[int]]:
     return found
 
 
-def _swept(placement: Placement, depth_mm: float, box: tuple[Array, Array]) -> Swept:
+def _swept(placement: Placement, depth_mm: float, origin: Array, box: tuple[Array, Array]) -> Swept:
     """G at one depth. Its lower limit is free: over closed loops ∮ c(v) dv = 0."""
+
+    def density(at: Array) -> Array:
+        area = np.cross(*placement.tangents(at, depth_mm))
+        return np.einsum("ki,ki->k", placement.at_depth(at, depth_mm) - origin, area)
+
     if placement.is_flat:
-        return lambda at: at[:, 0]
+        height = float(density(np.zeros((1, 2)))[0])
+        return lambda at: height * at[:, 0]
     if isinstance(placement, Revolved):  # the same density all around
-        return lambda at: at[:, 0] * placement.volume_density(at * (0.0, 1.0), depth_mm)
+        return lambda at: at[:, 0] * density(at * (0.0, 1.0))
     low, high = box
     u, v = np.linspace(low[0], high[0], TABLE), np.linspace(low[1], high[1], TABLE)
     grid = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)
-    density = placement.volume_density(grid, depth_mm).reshape(TABLE, TABLE)
-    swept = make_interp_spline(u, density, axis=0).antiderivative()(u)
+    swept = make_interp_spline(u, density(grid).reshape(TABLE, TABLE), axis=0).antiderivative()(u)
     table = RectBivariateSpline(u, v, swept, s=0)
     return lambda at: table.ev(at[:, 0], at[:, 1])
 

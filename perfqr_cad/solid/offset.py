@@ -1,13 +1,219 @@
 """Holes widened in the plane, segment by segment, so that the walls between stay planes, cones and ruled faces.
 
 `shapely.buffer` would flatten arcs and drop segments; here every segment of the widened loop lies above the
-segment it came from.
+segment it came from. Loops run with the material on their left; a set-back moves a segment to the left.
 """
 
 from __future__ import annotations
 
-from perfqr_cad.pattern.outline import Loop
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from perfqr_cad.errors import DesignError
+from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Loop, Segment
+
+from .sampling import Array
+
+SMOOTH = 1e-6  # sine of the turn below which two segments join smoothly
+SHARE = 0.5  # a rounded corner that would shrink below this share of its radius keeps the radius instead
 
 
-def widened(loop: Loop, by_mm: float) -> Loop:
-    raise NotImplementedError
+def widened(loop: Loop, flares: Sequence[float]) -> Loop:
+    """The loop with each segment set back to its left by its own flare, mm.
+
+    Rounded corners between lines stay tangent; other smooth joints take the lesser flare of the two. Raises
+    `DesignError` where a segment would vanish.
+    """
+    segments = loop.segments
+    if isinstance(segments[0], Circle):
+        circle = segments[0]
+        return Loop((Circle(circle.centre, _radius(circle, flares[0]), circle.ccw),))
+    n = len(segments)
+    back = _evened(segments, flares)
+    fillets = {i: _fillet(segments, back, i) for i in range(n) if _is_fillet(segments, i)}
+    corners: list[Array] = []
+    for i in range(n):
+        before = (i - 1) % n
+        if i in fillets:
+            corners.append(fillets[i][0])
+        elif before in fillets:
+            corners.append(fillets[before][1])
+        else:
+            corners.append(_corner(segments[before], back[before], segments[i], back[i]))
+    moved: list[Segment] = []
+    for i, segment in enumerate(segments):
+        start, end = corners[i], corners[(i + 1) % n]
+        centre = fillets[i][2] if i in fillets else None
+        moved.append(_between(segment, back[i], start, end, centre))
+    for old, new in zip(segments, moved, strict=True):
+        _same_way(old, new)
+    return Loop(tuple(moved))
+
+
+def _evened(segments: Sequence[Segment], flares: Sequence[float]) -> list[float]:
+    """Flares made equal across smooth joints, save those of a fillet, which adapts."""
+    back = list(flares)
+    n = len(segments)
+    changed = True
+    while changed:
+        changed = False
+        for i in range(n):
+            j = (i + 1) % n
+            if _is_fillet(segments, i) or _is_fillet(segments, j) or not _smooth(segments[i], segments[j]):
+                continue
+            least = min(back[i], back[j])
+            changed |= back[i] != back[j]
+            back[i] = back[j] = least
+    return back
+
+
+def _is_fillet(segments: Sequence[Segment], i: int) -> bool:
+    """An arc tangent to a line on either side."""
+    before, arc, after = segments[i - 1], segments[i], segments[(i + 1) % len(segments)]
+    if not (isinstance(arc, Arc) and isinstance(before, Line) and isinstance(after, Line)):
+        return False
+    return _smooth(before, arc) and _smooth(arc, after)
+
+
+def _fillet(segments: Sequence[Segment], back: Sequence[float], i: int) -> tuple[Array, Array, Array]:
+    """Start, end and centre of the arc that rounds the corner of its two lines, set back by their own flares."""
+    arc = segments[i]
+    assert isinstance(arc, Arc)
+    n = len(segments)
+    before, after = (i - 1) % n, (i + 1) % n
+    radius = _fillet_radius(arc, back[before], back[after])
+    side = 1.0 if arc.ccw else -1.0  # the centre lies to the left of a counter-clockwise arc
+    lines = [
+        (_offset_point(segments[k], end, back[k] + side * radius), tangent(segments[k], end))
+        for k, end in ((before, 1), (after, 0))
+    ]
+    centre = _crossing(*lines)
+    feet = [centre - side * radius * _left(direction) for _, direction in lines]
+    return feet[0], feet[1], centre
+
+
+def _fillet_radius(arc: Arc, before: float, after: float) -> float:
+    """Concentric where that leaves enough of the radius, else the radius itself: an oblique wall."""
+    least = min(before, after)
+    if not arc.ccw:
+        return arc.radius + least
+    return arc.radius - least if arc.radius - least > SHARE * arc.radius else arc.radius
+
+
+def _corner(a: Segment, back_a: float, b: Segment, back_b: float) -> Array:
+    """Where two set-back segments meet."""
+    at = np.array(b.start)
+    if _smooth(a, b):
+        return at + back_a * _left(tangent(b, 0))
+    line_a = (_offset_point(a, 1, back_a), tangent(a, 1))
+    line_b = (_offset_point(b, 0, back_b), tangent(b, 0))
+    meet = _crossing(line_a, line_b)
+    # On arcs the tangents only give the first guess: Newton on both offset curves' equations.
+    for _ in range(20):
+        residual = np.array([_gap(a, back_a, line_a, meet), _gap(b, back_b, line_b, meet)])
+        if np.abs(residual).max() < 1e-13:
+            break
+        slopes = np.array([_gap_slope(a, line_a, meet), _gap_slope(b, line_b, meet)])
+        meet = meet - np.linalg.solve(slopes, residual)
+    return meet
+
+
+def _gap(segment: Segment, back: float, line: tuple[Array, Array], at: Array) -> float:
+    """Signed distance of a point from a set-back segment's carrier: its circle, or the tangent line."""
+    if isinstance(segment, Arc):
+        return float(np.linalg.norm(at - segment.centre)) - _radius(segment, back)
+    return float((at - line[0]) @ _left(line[1]))
+
+
+def _gap_slope(segment: Segment, line: tuple[Array, Array], at: Array) -> Array:
+    if isinstance(segment, Arc):
+        ray = at - segment.centre
+        return ray / np.linalg.norm(ray)
+    return _left(line[1])
+
+
+def _between(segment: Segment, back: float, start: Array, end: Array, centre: Array | None) -> Segment:
+    a, b = (float(start[0]), float(start[1])), (float(end[0]), float(end[1]))
+    match segment:
+        case Line():
+            return Line(a, b)
+        case Arc():
+            at = segment.centre if centre is None else (float(centre[0]), float(centre[1]))
+            return Arc(a, b, at, segment.ccw)
+        case Bezier():
+            return _moved_bezier(segment, back, start, end)
+        case Circle():
+            raise ValueError("a circle is a loop by itself")
+
+
+def _moved_bezier(curve: Bezier, back: float, start: Array, end: Array) -> Bezier:
+    """The legs of the control polygon set back in parallel (Tiller and Hanson, 1984)."""
+    p = [np.array(q) for q in curve.controls]
+    legs = [(p[i] + back * _left(_unit(p[i + 1] - p[i])), _unit(p[i + 1] - p[i])) for i in range(3)]
+    inner: list[Array] = []
+    for one, two, control in ((legs[0], legs[1], p[1]), (legs[1], legs[2], p[2])):
+        straight = abs(one[1][0] * two[1][1] - one[1][1] * two[1][0]) < SMOOTH
+        inner.append(control + back * _left(one[1]) if straight else _crossing(one, two))
+    points = [(float(q[0]), float(q[1])) for q in (start, *inner, end)]
+    return Bezier(points[0], points[1], points[2], points[3])
+
+
+def _radius(segment: Arc | Circle, back: float) -> float:
+    radius = segment.radius - back if segment.ccw else segment.radius + back
+    if radius <= 0:
+        raise DesignError(
+            f"a rounded corner of {segment.radius:.3g} mm vanishes under a flare of {back:.3g} mm: "
+            f"take a draft that flares less than {segment.radius:.3g} mm, or a larger fillet"
+        )
+    return radius
+
+
+def _same_way(old: Segment, new: Segment) -> None:
+    """Raises `DesignError` where a segment has turned over: the holes beside it have met."""
+    ahead = [np.subtract(s.end, s.start) for s in (old, new)]
+    turned = isinstance(old, Arc) and isinstance(new, Arc) and abs(new.sweep_rad) > abs(old.sweep_rad) + 1.0
+    if turned or (isinstance(old, Line) and float(ahead[0] @ ahead[1]) <= 0):
+        x, y = old.start
+        raise DesignError(
+            f"the draft closes an edge of {old.length:.3g} mm at ({x:.2f}, {y:.2f}): "
+            "take a smaller draft, a longer lip or a thinner plate"
+        )
+
+
+def tangent(segment: Segment, end: int) -> Array:
+    """Unit direction of travel at the start (0) or end (1)."""
+    match segment:
+        case Line(start, stop):
+            return _unit(np.subtract(stop, start))
+        case Bezier():
+            return _unit(np.array(segment.derivative(float(end))))
+        case Arc() | Circle():
+            ray = np.subtract(segment.end if end else segment.start, segment.centre)
+            return _unit(_left(ray) if segment.ccw else -_left(ray))
+
+
+def _smooth(a: Segment, b: Segment) -> bool:
+    one, two = tangent(a, 1), tangent(b, 0)
+    return abs(one[0] * two[1] - one[1] * two[0]) < SMOOTH and float(one @ two) > 0
+
+
+def _offset_point(segment: Segment, end: int, back: float) -> Array:
+    return np.array(segment.end if end else segment.start) + back * _left(tangent(segment, end))
+
+
+def _crossing(a: tuple[Array, Array], b: tuple[Array, Array]) -> Array:
+    """Where two lines (point, direction) cross."""
+    (p, d), (q, e) = a, b
+    turn = d[0] * e[1] - d[1] * e[0]
+    gap = q - p
+    return p + d * (gap[0] * e[1] - gap[1] * e[0]) / turn
+
+
+def _left(d: Array) -> Array:
+    return np.array([-d[1], d[0]])
+
+
+def _unit(d: Array) -> Array:
+    return d / math.hypot(d[0], d[1])

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.outline import Arc, Circle, Loop, Region, Segment
 
 from .chart import Level
+from .flare import flares, thinnest_web_mm
 from .offset import widened
 from .walls import Walls
+
+LEAST_WEB_MM = 1e-3  # at the back, where no minimum is asked for: holes must not touch
+WEB_SLACK = 0.02  # corners of two holes that meet diagonally give way along their mitres, a little more than edges
 
 
 @dataclass(frozen=True)
@@ -29,35 +36,71 @@ class Well:
         return list(zip(*(loop.segments for loop in self.loops), strict=True))
 
 
-def wells(region: Region, thickness_mm: float, walls: Walls, whole_circles: bool) -> tuple[Well, ...]:
+def wells(
+    region: Region, thickness_mm: float, walls: Walls, whole_circles: bool, min_web_mm: float = 0.0
+) -> tuple[Well, ...]:
     """The outer loop, straight from front to back, and then every hole.
 
-    Raises `DesignError` when pockets leave no floor or a lip leaves nothing to flare.
+    Raises `DesignError` when pockets leave no floor, a lip leaves nothing to flare, or a draft closes an edge.
     """
     outer = _laid(region.outer, whole_circles)
     rim = Well((outer, outer), (Level(0.0, True), Level(thickness_mm, True)))
-    return (rim, *hole_wells(region.holes, thickness_mm, walls, whole_circles))
+    return (rim, *hole_wells(region.holes, thickness_mm, walls, whole_circles, outer=region.outer, min_web_mm=min_web_mm))
 
 
 def hole_wells(
-    holes: tuple[Loop, ...], thickness_mm: float, walls: Walls, whole_circles: bool
+    holes: tuple[Loop, ...],
+    thickness_mm: float,
+    walls: Walls,
+    whole_circles: bool,
+    *,
+    outer: Loop | None = None,
+    min_web_mm: float = 0.0,
 ) -> tuple[Well, ...]:
-    """The holes alone: clockwise loops, as for `wells`."""
+    """The holes alone, clockwise loops. Where a draft would leave less than `min_web_mm` of material at the back,
+    it is less; `outer` bounds the material, None where it goes on beyond the holes.
+    """
     reach = walls.reach_mm(thickness_mm)
     flare = walls.flare_mm(reach)
-    floor = walls.depth_mm is not None
-    found: list[Well] = []
-    for hole in holes:
-        loop = _laid(hole, whole_circles)
-        if flare == 0:
-            loops, depths = (loop, loop), (0.0, reach)
-        elif walls.lip_mm == 0:
-            loops, depths = (loop, widened(loop, flare)), (0.0, reach)
-        else:
-            loops, depths = (loop, loop, widened(loop, flare)), (0.0, walls.lip_mm, reach)
-        levels = tuple(Level(d, d in (0.0, reach)) for d in depths)
-        found.append(Well(loops, levels, floor))
-    return tuple(found)
+    front = [_laid(hole, whole_circles) for hole in holes]
+    if flare == 0:
+        depths: tuple[float, ...] = (0.0, reach)
+        columns = [(hole, hole) for hole in front]
+    else:
+        region = Region(outer or _around(front, 2 * flare + min_web_mm), tuple(front))
+        back = flares(region, flare, max(min_web_mm, LEAST_WEB_MM))
+        wide = [widened(hole, set_back) for hole, set_back in zip(front, back, strict=True)]
+        lip = walls.lip_mm > 0
+        depths = (0.0, walls.lip_mm, reach) if lip else (0.0, reach)
+        columns = [(hole, hole, w) if lip else (hole, w) for hole, w in zip(front, wide, strict=True)]
+        _check_webs(Region(region.outer, tuple(wide)), region, min_web_mm)
+    levels = tuple(Level(d, d in (0.0, reach)) for d in depths)
+    return tuple(Well(loops, levels, walls.depth_mm is not None) for loops in columns)
+
+
+def _check_webs(back: Region, front: Region, min_web_mm: float) -> None:
+    """The widened holes keep apart, and keep the least web wherever the front has it."""
+    polygon = back.polygon()
+    if not polygon.is_valid:
+        raise DesignError(
+            "the flared walls of neighbouring holes meet inside the plate: "
+            "take a smaller draft, a longer lip, a thinner plate or larger modules"
+        )
+    if min_web_mm == 0:
+        return
+    least = min(min_web_mm, thinnest_web_mm(front, min_web_mm))
+    if (found := thinnest_web_mm(back, min_web_mm)) < least * (1 - WEB_SLACK):
+        raise DesignError(
+            f"the draft leaves a web of {found:.3g} mm at the back, less than {least:.3g} mm: "
+            "take a smaller draft, a longer lip, a thinner plate or larger modules"
+        )
+
+
+def _around(holes: list[Loop], margin_mm: float) -> Loop:
+    """A rectangle well clear of all holes."""
+    corners = np.vstack([hole.flatten() for hole in holes])
+    (x0, y0), (x1, y1) = corners.min(axis=0) - 2 * margin_mm - 1, corners.max(axis=0) + 2 * margin_mm + 1
+    return Loop.from_points([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
 
 
 def _laid(loop: Loop, whole_circles: bool) -> Loop:

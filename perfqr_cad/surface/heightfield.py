@@ -56,10 +56,5 @@ class HeightField(Placement):
         normal = np.column_stack([-slopes[0], -slopes[1], np.ones(len(at))])
         return normal / np.linalg.norm(normal, axis=1)[:, None]
 
-    def volume_density(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
-        """The map moves points along z alone, by depth / n_z."""
-        del depth_mm
-        return 1 / self.normal(uv)[:, 2]
-
     def reach_mm(self) -> float:
         return self.half_mm

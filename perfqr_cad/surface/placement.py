@@ -128,7 +128,7 @@ class Placement(ABC):
         """Orthonormal frames (k, 3, 3) of the front surface, rows e1, e2, n; e1 follows ∂p/∂u."""
         at = pairs(uv)
         normal = self.normal(at)
-        along_u, _ = self._tangents(at)
+        along_u, _ = self.tangents(at)
         along_u -= np.einsum("ki,ki->k", along_u, normal)[:, None] * normal
         along_u /= np.linalg.norm(along_u, axis=1)[:, None]
         return np.stack([along_u, np.cross(normal, along_u), normal], axis=1)
@@ -137,9 +137,8 @@ class Placement(ABC):
         """Material volume per pattern area and depth, (k,): the Jacobian of `at_depth`."""
         at = pairs(uv)
         depth = np.broadcast_to(np.asarray(depth_mm, dtype=np.float64), len(at))
-        along_u, along_v = self._tangents(at, depth)
         down = (self.at_depth(at, depth + STEP_MM) - self.at_depth(at, depth - STEP_MM)) / (2 * STEP_MM)
-        return -np.einsum("ki,ki->k", np.cross(along_u, along_v), down)
+        return -np.einsum("ki,ki->k", np.cross(*self.tangents(at, depth)), down)
 
     def distortion(self, size_mm: float) -> Distortion:
         """What happens to the modules of a code of this edge. Raises `DesignError` when it does not fit at all."""
@@ -150,7 +149,7 @@ class Placement(ABC):
             )
         line = np.linspace(-half, half, SAMPLES)
         grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
-        along_u, along_v = self._tangents(grid)
+        along_u, along_v = self.tangents(grid)
         lengths = np.linalg.norm(along_u, axis=1) * np.linalg.norm(along_v, axis=1)
         area = np.abs(np.linalg.norm(np.cross(along_u, along_v), axis=1) - 1)
         sine = np.einsum("ki,ki->k", along_u, along_v) / lengths
@@ -187,8 +186,8 @@ class Placement(ABC):
             )
         return found
 
-    def _tangents(self, at: Array, depth_mm: ArrayLike = 0.0) -> tuple[Array, Array]:
-        """∂p/∂u and ∂p/∂v by central differences, each (k, 3)."""
+    def tangents(self, at: Array, depth_mm: ArrayLike = 0.0) -> tuple[Array, Array]:
+        """∂p/∂u and ∂p/∂v at (k, 2) pattern points and a depth, by central differences, each (k, 3)."""
         steps = (np.array([STEP_MM, 0.0]), np.array([0.0, STEP_MM]))
         along = [(self.at_depth(at + s, depth_mm) - self.at_depth(at - s, depth_mm)) / (2 * STEP_MM) for s in steps]
         return along[0], along[1]

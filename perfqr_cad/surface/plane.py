@@ -32,5 +32,8 @@ class Plane(Placement):
     def normal(self, uv: ArrayLike) -> Array:
         return np.tile([0.0, 0.0, 1.0], (len(pairs(uv)), 1))
 
+    def tangents(self, at: Array, depth_mm: ArrayLike = 0.0) -> tuple[Array, Array]:
+        return np.tile([1.0, 0.0, 0.0], (len(at), 1)), np.tile([0.0, 1.0, 0.0], (len(at), 1))
+
     def reach_mm(self) -> float:
         return math.inf

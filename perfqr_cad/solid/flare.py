@@ -1,0 +1,68 @@
+"""How far each edge of a hole may be set back towards the back of a drafted wall, so that no web gets too thin."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from perfqr_cad.pattern.outline import Arc, Loop, Region, Segment
+
+from .sampling import Array, Indices
+
+WEB_CHORD_MM = 0.002  # curves are measured by chords this close
+
+
+def flares(region: Region, flare_mm: float, min_web_mm: float) -> tuple[tuple[float, ...], ...]:
+    """For each hole, the set-back of each of its segments: `flare_mm`, or less where a web would fall below
+    `min_web_mm` at the back. Both sides of a web give way alike; a web already that thin stays as it is.
+    """
+    loops = region.loops
+    segments = [s for loop in loops for s in loop.segments]
+    webs = _webs(region, segments, 2 * flare_mm + min_web_mm)
+    allowed = np.clip((webs - min_web_mm) / 2, 0.0, flare_mm)
+    starts = np.concatenate([[0], np.cumsum([len(loop.segments) for loop in loops])])
+    return tuple(tuple(allowed[a:b].tolist()) for a, b in zip(starts[1:], starts[2:], strict=False))
+
+
+def thinnest_web_mm(region: Region, up_to_mm: float) -> float:
+    """Least width of material between boundaries that are not neighbours; `up_to_mm` where all are wider."""
+    return float(_webs(region, [s for loop in region.loops for s in loop.segments], up_to_mm).min())
+
+
+def _webs(region: Region, segments: Sequence[Segment], up_to_mm: float) -> Array:
+    """Width of the material behind each segment, (k,), at most `up_to_mm`."""
+    lines = np.array([shapely.LineString([*s.flatten(WEB_CHORD_MM), s.end]) for s in segments])
+    first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=up_to_mm)
+    once = (first < second) & ~_neighbours(region, segments, first, second)
+    first, second = first[once], second[once]
+    ties = shapely.get_coordinates(shapely.shortest_line(lines[first], lines[second])).reshape(-1, 2, 2)
+    middle = ties.mean(axis=1)
+    polygon = region.polygon(WEB_CHORD_MM)
+    shapely.prepare(polygon)
+    solid = shapely.contains_xy(polygon, middle[:, 0], middle[:, 1])
+    width = np.linalg.norm(ties[:, 1] - ties[:, 0], axis=1)
+    webs = np.full(len(segments), up_to_mm)
+    for side in (first, second):
+        np.minimum.at(webs, side[solid], width[solid])
+    return webs
+
+
+def _neighbours(region: Region, segments: Sequence[Segment], first: Indices, second: Indices) -> Array:
+    """Pairs that meet at a corner, sharp or rounded: no web lies between them."""
+    after = np.concatenate([_successors(loop, start) for loop, start in _starts(region.loops)])
+    rounded = np.array([isinstance(s, Arc) for s in segments])
+    beside = (after[first] == second) | (after[second] == first)
+    for a, b in ((first, second), (second, first)):
+        beside |= rounded[after[a]] & (after[after[a]] == b)
+    return beside
+
+
+def _starts(loops: Sequence[Loop]) -> list[tuple[Loop, int]]:
+    starts = np.concatenate([[0], np.cumsum([len(loop.segments) for loop in loops])])
+    return list(zip(loops, starts.tolist(), strict=False))
+
+
+def _successors(loop: Loop, start: int) -> Indices:
+    return start + (np.arange(len(loop.segments)) + 1) % len(loop.segments)
