@@ -23,7 +23,8 @@ Floats32 = NDArray[np.float32]
 VIEW_SCALE = 12  # samples along a module: a multiple of 2, 3, 4 and 6
 FREEFORM_SCALE = 12
 HALFTONE_SCALES = (2, 3, 4, 5, 6)
-BLURS = (0.03, 0.06, 0.09, 0.12, 0.16, 0.2, 0.26, 0.34)  # σ of the picture's edges in modules, to choose from
+BLURS = (0.03, 0.06, 0.1, 0.16, 0.24, 0.34)  # σ of the picture's edges in modules, to choose from
+BLUR_SHARES = (1.0, 0.7, 1.4)  # the art's edges may be softer or harder than those of the function patterns
 PLAIN_RESIDUAL = 0.06  # of the art's energy, in mean neighbourhoods; plain photographs reach 0.05, styled codes 0.08
 HALFTONE_RESIDUAL = 0.25  # of the art's energy: above it no k × k grid explains the picture
 HALFTONE_GAIN = 0.6  # a true k leaves at most this part of the residual of every smaller grid
@@ -42,7 +43,7 @@ def art_of(
     shade = _shade(image, grid, light_level, dark_level)
     known, _ = known_modules(grid.size, "all")
     blur = _blur_of(shade, dark, known)
-    if _plain_residual(shade, dark, known, blur) <= PLAIN_RESIDUAL:
+    if min(_plain_residual(shade, dark, known, blur * share) for share in BLUR_SHARES) <= PLAIN_RESIDUAL:
         return Art("plain", 1, dark)
     scale = _halftone_scale(shade, known, blur)
     if scale is not None:
@@ -122,11 +123,10 @@ def _halftone_scale(shade: Floats32, known: NDArray[np.bool_], blur: float) -> i
     """The k of k × k submodules, or None when no grid explains the picture."""
     free = _enlarged(~known)
     energy = float(np.mean(shade[free] ** 2)) + 1e-9
-    blurs = (blur, blur * 0.5, blur * 1.5)
     left = {
         scale: min(
-            float(np.mean((shade - _squares(_drawn(shade, scale), scale, width))[free] ** 2)) / energy
-            for width in blurs
+            float(np.mean((shade - _squares(_drawn(shade, scale), scale, blur * share))[free] ** 2)) / energy
+            for share in BLUR_SHARES
         )
         for scale in HALFTONE_SCALES
     }

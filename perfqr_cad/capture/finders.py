@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from perfqr_cad.capture.grid import Floats, cross, homography_of
+from perfqr_cad.capture.grid import Floats, cross
 from perfqr_cad.symbol import size_of, version_of
 
 PROFILE = np.array([1, 1, 3, 1, 1]) / 7.0
@@ -42,13 +42,6 @@ class Triple:
 
     centres: Floats
     sizes: tuple[int, ...]
-
-    def corners(self, size: int) -> Floats:
-        """(4, 2) outer corners, as if the symbol were seen from afar."""
-        a, b, c = self.centres
-        right, down = (b - a) / (size - 7), (c - a) / (size - 7)
-        origin = a - 3.5 * (right + down)
-        return np.stack([origin, origin + size * right, origin + size * (right + down), origin + size * down])
 
 
 def triples(image: NDArray[np.uint8]) -> Iterator[Triple]:

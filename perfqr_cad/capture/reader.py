@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.capture.art import art_of, rectify
-from perfqr_cad.capture.finders import Triple, triples
+from perfqr_cad.capture.finders import triples
 from perfqr_cad.capture.grid import CORNERS, Floats, Grid, project
 from perfqr_cad.capture.image import Picture, load_image, luminance
 from perfqr_cad.capture.model import Capture, Sampling
@@ -29,17 +29,20 @@ from perfqr_cad.capture.sampling import (
     vote_log_likelihood,
 )
 from perfqr_cad.capture.seeds import Seed, opencv_seeds, wechat_seeds, zxing_seeds
-from perfqr_cad.capture.views import greys, projections, searched
+from perfqr_cad.capture.views import greys, is_colourful, projections, searched
 from perfqr_cad.capture.warp import bent
 from perfqr_cad.errors import CaptureError, SymbolError
-from perfqr_cad.symbol import Matrix, Recovery, layout, recover, size_of
+from perfqr_cad.symbol import Matrix, Recovery, format_candidates, layout, recover, size_of
 
 RECTIFIED_MODULE_PX = 12
+LEAST_LIKENESS = 0.25  # the same of the finders alone, before the grid is fitted
 LEAST_FIT = 0.35  # correlation with the function patterns; noise and text stay below 0.3
 GOOD_FIT = 0.6  # from here on a failure says that the code is damaged, not that there is none
 SIZES_TRIED = 3  # of those that fit best, for a seed that does not know its size
-SEEDS_TRIED = 60  # bounds the time spent on a picture without a code
+SEEDS_TRIED = 150  # these two bound the time spent on a picture without a readable code
+CORRECTIONS_TRIED = 12
 LEAST_AGREEMENT = 0.6  # of the modules with the corrected symbol; by chance it is 0.5 ± 0.02
+FORMAT_UNREADABLE = 15  # all bits of the format information
 SAME_PLACE = 0.12  # of a symbol's side: seeds nearer than this are one
 
 
@@ -69,10 +72,15 @@ def read(
 
     CaptureError says whether no code was found, or one that is damaged beyond its capacity.
     """
-    picture = load_image(source)
+    picture = _without_idle_colour(load_image(source))
+    grey = luminance(picture)
     damage: tuple[float, str] = (0.0, "")
+    tries = 0
     for seed in _distinct(_seeds(picture)):
-        for space, grid, fit in _registered(luminance(picture), seed):
+        for space, grid, fit in _registered(grey, seed):
+            tries += 1
+            if tries > CORRECTIONS_TRIED:
+                raise CaptureError(_failure(source, picture, *damage))
             try:
                 found = _corrected(picture, space, grid, fit, seed, sampling)
             except SymbolError as failure:
@@ -80,6 +88,10 @@ def read(
             else:
                 return _capture(found, seed.engine, fit < 0, rectified_module_px)
     raise CaptureError(_failure(source, picture, *damage))
+
+
+def _without_idle_colour(picture: Picture) -> Picture:
+    return picture if is_colourful(picture) else luminance(picture)
 
 
 def _seeds(picture: Picture) -> Iterator[Seed]:
@@ -94,29 +106,24 @@ def _seeds(picture: Picture) -> Iterator[Seed]:
         for name, image, back in searched(view):
             for decoder in (zxing_seeds, _finder_seeds):
                 for seed in decoder(image):
-                    yield replace(seed, engine=f"{seed.engine}, {name}", corners=project(back, seed.corners))
+                    yield replace(seed, engine=f"{seed.engine}, {name}", places=project(back, seed.places))
 
 
 def _finder_seeds(image: Picture) -> Iterator[Seed]:
     for triple in triples(image):
-        for size in _plausible(triple):
-            yield Seed("finders", triple.corners(size), (size,), None, True)
-
-
-def _plausible(triple: Triple) -> tuple[int, ...]:
-    return triple.sizes[:SIZES_TRIED]
+        yield Seed("finders", triple.centres, triple.sizes, None, True)
 
 
 def _distinct(seeds: Iterator[Seed]) -> Iterator[Seed]:
     """Seeds that are not where another of the same size was already, `SEEDS_TRIED` of them at the most."""
-    seen: list[tuple[tuple[int, ...], Floats]] = []
+    seen: list[tuple[int, Floats]] = []
     for seed in seeds:
-        side = float(np.sqrt(max(np.ptp(seed.corners, axis=0).prod(), 1.0)))
-        key = np.sort(seed.corners.sum(axis=1)), seed.corners.mean(axis=0)
-        corners = np.append(key[0], key[1])
-        if any(sizes == seed.sizes and np.abs(corners - old).max() < SAME_PLACE * side for sizes, old in seen):
+        place = np.append(seed.places.mean(axis=0), np.ptp(seed.places, axis=0))
+        near = SAME_PLACE * float(place[2:].max())
+        kind = len(seed.places)
+        if any(kind == other and np.abs(place - old).max() < near for other, old in seen):
             continue
-        seen.append((seed.sizes, corners))
+        seen.append((kind, place))
         yield seed
         if len(seen) >= SEEDS_TRIED:
             return
@@ -134,14 +141,15 @@ def _registered(grey: Picture, seed: Seed) -> Iterator[tuple[Workspace, Grid, fl
 def _starts(grey: Picture, seed: Seed) -> list[tuple[Workspace, Grid]]:
     """Grids to begin with: of the given size, or of those whose finders look most like the picture."""
     sizes = seed.sizes or tuple(size_of(version) for version in range(1, 41))
-    outlines = [seed.corners] if seed.oriented else [np.roll(seed.corners, -k, axis=0) for k in range(4)]
-    grids = [Grid.from_corners(size, corners) for size in sizes for corners in outlines]
+    turns = range(1 if seed.oriented else 4)
+    grids = [Grid.from_corners(size, np.roll(seed.corners(size), -k, axis=0)) for size in sizes for k in turns]
     grids = [grid for grid in grids if grid.module_px > 0]
     if len(grids) <= 1:
         return [(workspace(grey, grid), grid) for grid in grids]
     middle = sorted(grids, key=lambda grid: grid.size)[len(grids) // 2]
     space = workspace(grey, middle)
-    grids.sort(key=lambda grid: -abs(correlation(space, grid, "finders")))
+    likeness = {id(grid): abs(correlation(space, grid, "finders")) for grid in grids}
+    grids = sorted((one for one in grids if likeness[id(one)] >= LEAST_LIKENESS), key=lambda one: -likeness[id(one)])
     return [(workspace(grey, grid), grid) for grid in grids[:SIZES_TRIED]]
 
 
@@ -172,8 +180,8 @@ def _shapes(space: Workspace, grid: Grid, seed: Seed) -> Iterator[Grid]:
     """The flat grid, then grids bent as the page may be."""
     yield grid
     yield bent(space, grid)
-    if seed.engine.startswith("finders") and seed.sizes:
-        yield bent(space, Grid.from_corners(grid.size, seed.corners))
+    if len(seed.places) == 3:
+        yield bent(space, Grid.from_corners(grid.size, seed.corners(grid.size)))
 
 
 def _recovered(shade: Picture, grid: Grid, seed: Seed, sampling: Sampling) -> _Found:
@@ -184,14 +192,17 @@ def _recovered(shade: Picture, grid: Grid, seed: Seed, sampling: Sampling) -> _F
         likely = soft_log_likelihood(samples, light, dark)
     else:
         likely = vote_log_likelihood(samples, global_threshold(shade))
+    if _format_distance(likely.T) < _format_distance(likely):
+        grid, light, dark, likely = _transposed(grid), light.T, dark.T, likely.T
+    return _Found(shade, grid, light, dark, likely, _trusted(likely, seed))
+
+
+def _format_distance(likely: NDArray[np.float64]) -> int:
+    """Wrong bits in the better copy of the format information."""
     try:
-        return _Found(shade, grid, light, dark, likely, _trusted(likely, seed))
-    except SymbolError as failure:
-        try:
-            recovery = _trusted(likely.T, seed)
-        except SymbolError:
-            raise failure from None
-        return _Found(shade, _transposed(grid), light.T, dark.T, likely.T, recovery)
+        return min(min(one.distances) for one in format_candidates(Matrix.from_array(likely > 0)))
+    except SymbolError:
+        return FORMAT_UNREADABLE
 
 
 def _trusted(likely: NDArray[np.float64], seed: Seed) -> Recovery:

@@ -20,17 +20,27 @@ from perfqr_cad.symbol import size_of
 class Seed:
     """A guess.
 
-    corners  (4, 2) px outer corners, clockwise from the top-left finder's (unless `turned` is unknown)
+    places   (4, 2) px outer corners, clockwise from the top-left finder's if `oriented`; or (3, 2) centres of
+             the top-left, top-right and bottom-left finders
     sizes    modules a side that come in question, likeliest first; empty when nothing is known
     payload  what the decoder itself read, or None
     oriented whether the first corner is known to be the top-left finder's
     """
 
     engine: str
-    corners: Floats
+    places: Floats
     sizes: tuple[int, ...]
     payload: bytes | None
     oriented: bool
+
+    def corners(self, size: int) -> Floats:
+        """(4, 2) outer corners of a symbol of `size` modules; from three finders as if seen from afar."""
+        if len(self.places) == 4:
+            return self.places
+        corner, end, foot = self.places
+        right, down = (end - corner) / (size - 7), (foot - corner) / (size - 7)
+        origin = corner - 3.5 * (right + down)
+        return np.stack([origin, origin + size * right, origin + size * (right + down), origin + size * down])
 
 
 def zxing_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:

@@ -18,18 +18,26 @@ CHROMA_SPREAD = 12.0  # standard deviation of a colour difference that makes col
 TILE_PX = 64  # tiles of the local equalisation
 
 
-@np.errstate(invalid="ignore")
+def is_colourful(picture: Picture) -> bool:
+    """Whether the colours of a picture differ by more than a camera's noise and white balance."""
+    if picture.ndim == 2:
+        return False
+    small = _thinned(picture)
+    return max(float((small[..., k] - small[..., 1]).std()) for k in (0, 2)) >= CHROMA_SPREAD
+
+
 def greys(picture: Picture) -> list[Picture]:
-    """Luminance, then the channels of a colourful picture, the most contrasting first, then saturation."""
+    """Luminance, then the channels of a colour picture, the most contrasting first."""
     grey = luminance(picture)
     if picture.ndim == 2:
         return [grey]
-    small = picture[:: max(1, picture.shape[0] // 256), :: max(1, picture.shape[1] // 256)].astype(np.float32)
-    spread = max(float((small[..., k] - small[..., 1]).std()) for k in (0, 2))
-    if spread < CHROMA_SPREAD:
-        return [grey]
+    small = _thinned(picture)
     channels = sorted(range(3), key=lambda k: -float(small[..., k].std()))
     return [grey, *(np.ascontiguousarray(picture[..., k]) for k in channels)]
+
+
+def _thinned(picture: Picture) -> NDArray[np.float32]:
+    return picture[:: max(1, picture.shape[0] // 256), :: max(1, picture.shape[1] // 256)].astype(np.float32)
 
 
 def searched(grey: Picture) -> Iterator[tuple[str, Picture, Floats]]:
@@ -67,13 +75,11 @@ def _resized(grey: Picture, factor: float) -> tuple[Picture, Floats]:
 
 def projections(picture: Picture, grid: Grid, inverted: bool) -> Iterator[tuple[str, Picture]]:
     """Pictures to sample a found code in, dark on light: luminance, the colour that parts its function
-    patterns best (Fisher's linear discriminant), then the channels."""
+    patterns best (Fisher's linear discriminant)."""
     sign: Callable[[Picture], Picture] = (lambda grey: 255 - grey) if inverted else (lambda grey: grey)
     yield "luminance", sign(luminance(picture))
     if picture.ndim == 3:
         yield "discriminant", _discriminant(picture, grid)
-        for k, name in enumerate(("red", "green", "blue")):
-            yield name, sign(np.ascontiguousarray(picture[..., k]))
 
 
 def _discriminant(picture: Picture, grid: Grid) -> Picture:
