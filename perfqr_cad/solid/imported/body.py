@@ -40,12 +40,14 @@ class Crossings:
 class Body:
     """A closed mesh, the number of the face each triangle lies on, and unit normals at triangle corners.
 
-    `face_of` (m,) counts from 0; a plain mesh is one face. `corner_normals` is (m, 3, 3).
+    `face_of` (m,) counts from 0; on a plain mesh 0 is outer surface and 1 the walls of cavities. `corner_normals`
+    is (m, 3, 3). `faceted` tells a plain mesh.
     """
 
     triangles: Triangles
     face_of: Index
     corner_normals: Array
+    faceted: bool = False
 
     @cached_property
     def diagonal_mm(self) -> float:
@@ -122,9 +124,19 @@ class Body:
 
 
 def body_of_mesh(triangles: Triangles) -> Body:
-    """A mesh as one face with its facets' own normals."""
-    bare = Body(triangles, np.zeros(len(triangles.faces), np.int64), np.zeros((0, 3, 3)))
-    return Body(triangles, bare.face_of, np.repeat(bare.facet_normals[:, None, :], 3, axis=1))
+    """A closed mesh with its facets' own normals; connected surfaces of negative volume bound cavities."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    a, b = triangles.faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
+    count = len(triangles.vertices)
+    _, label = connected_components(coo_matrix((np.ones(len(a)), (a, b)), shape=(count, count)), directed=False)
+    surface = label[triangles.faces[:, 0]]
+    corners = triangles.vertices[triangles.faces] - triangles.vertices.mean(axis=0)
+    volumes = np.bincount(surface, np.einsum("ki,ki->k", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]))
+    inner = (volumes[surface] < 0).astype(np.int64)
+    bare = Body(triangles, inner, np.zeros((0, 3, 3)), True)
+    return Body(triangles, inner, np.repeat(bare.facet_normals[:, None, :], 3, axis=1), True)
 
 
 def body_of_solid(solid: TopoDS_Solid, faces: list[TopoDS_Face]) -> Body:

@@ -35,12 +35,12 @@ VOLUME_TOLERANCE = 1e-3
 SAMPLE_MM = 0.5  # along a loop, when asking which faces it lies on
 
 
-def carve(host: Host, region: Region, laid: Laid, walls: Walls) -> Solid:
+def carve(host: Host, region: Region, laid: Laid, walls: Walls, min_web_mm: float = 0.0) -> Solid:
     """The host with the region's holes in its wall.
 
     Raises `DesignError` for walls that cannot be made here, `KernelError` when the result is not one sound solid.
     """
-    sinking = list(zip(region.holes, hole_wells(region.holes, laid.thickness_mm, walls, False), strict=True))
+    sinking = list(zip(region.holes, hole_wells(region, laid.thickness_mm, walls, False, min_web_mm), strict=True))
     removed = removed_mm3(host, region.holes, laid, walls.depth_mm)
     crossing = [hole for (hole, _), over in zip(sinking, _over_edges(host, sinking, laid), strict=True) if over]
     base = host
@@ -58,7 +58,7 @@ def carve(host: Host, region: Region, laid: Laid, walls: Walls) -> Solid:
     volume = occ.volume(shape)
     return Solid(
         shape=shape,
-        triangles=carved_mesh(host.body, region.holes, laid, walls),
+        triangles=carved_mesh(host.body, [well for _, well in sinking], laid),
         valid=True,
         solids=occ.count(shape, occ.SOLID),
         faces=occ.count(shape, occ.FACE),

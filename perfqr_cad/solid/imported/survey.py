@@ -65,6 +65,7 @@ class Survey:
     normal      (k, k, 3) in frame coordinates
     front, back numbers of the faces, -1 for none
     hidden      something of the part stands before the front
+    faceted     the body is a plain mesh, whose slopes jump from facet to facet
     """
 
     frame: Frame
@@ -76,6 +77,7 @@ class Survey:
     front: Index
     back: Index
     hidden: NDArray[np.bool_]
+    faceted: bool = False
 
     @property
     def thickness_mm(self) -> float:
@@ -137,6 +139,8 @@ class Survey:
             change = np.diff(self.height_mm, axis=axis)
             allowed = spacing * (np.abs(high - low) + STEP_SLACK * (1 + np.abs(low) + np.abs(high)))
             bad = np.abs(change - spacing * (low + high) / 2) > allowed
+            if self.faceted:  # only what no facet within the tilt limit explains
+                bad = np.abs(change) > spacing * np.tan(np.radians(MAX_TILT_DEG))
             first, second = _neighbours(marked, axis)
             first |= bad
             second |= bad
@@ -225,6 +229,7 @@ def survey(body: Body, frame: Frame, size_mm: float, samples: int = FINE) -> Sur
         met.front.reshape(square),
         met.back.reshape(square),
         met.hidden.reshape(square),
+        body.faceted,
     )
 
 

@@ -89,7 +89,7 @@ class ImportedFace:
             raise DesignError("an imported face takes its own placement: use the one this target returned")
         if walls.depth_mm is None and self.depth_mm is not None:
             walls = Walls(walls.draft_deg, walls.lip_mm, self.depth_mm)
-        return carve(self.host, pattern.region, placement, walls)
+        return carve(self.host, pattern.region, placement, walls, pattern.spec.web_mm)
 
     def _wrapped(self, found: Survey, size_mm: float) -> Laid:
         from perfqr_cad.solid.imported.wrap import survey_wrapped, wrapped

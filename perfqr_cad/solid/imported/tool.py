@@ -12,9 +12,10 @@ from perfqr_cad.pattern.outline import Loop, Region
 from perfqr_cad.solid.chart import Level
 from perfqr_cad.solid.imported.body import Array, Body
 from perfqr_cad.solid.imported.lay import Laid, Projected
+from perfqr_cad.solid.imported.removed import quadrature
 from perfqr_cad.solid.imported.survey import probe
 from perfqr_cad.solid.mesh import triangulate
-from perfqr_cad.solid.sections import Well, hole_wells
+from perfqr_cad.solid.sections import Well
 from perfqr_cad.solid.walls import Walls
 from perfqr_cad.surface import Plane, Triangles
 
@@ -52,15 +53,15 @@ def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> To
     return BRepBuilderAPI_Transform(block, place, True).Shape()
 
 
-def carved_mesh(body: Body, holes: Sequence[Loop], laid: Laid, walls: Walls) -> Triangles:
-    """The body less all holes, closed and in as many bodies as before.
+def carved_mesh(body: Body, wells: Sequence[Well], laid: Laid) -> Triangles:
+    """The body less all wells, closed and in as many bodies as before.
 
     Raises `KernelError` when manifold3d objects or something falls off.
     """
     import manifold3d
 
     solid = manifold_of(body.triangles)
-    result = solid - manifold3d.Manifold.compose([_tool(body, hole, laid, walls) for hole in holes])
+    result = solid - manifold3d.Manifold.compose([_tool(body, well, laid) for well in wells])
     if result.status() != manifold3d.Error.NoError:
         raise KernelError(f"carving the mesh failed in manifold3d ({result.status().name}): move the code")
     before, after = len(solid.decompose()), len(result.decompose())
@@ -69,29 +70,43 @@ def carved_mesh(body: Body, holes: Sequence[Loop], laid: Laid, walls: Walls) -> 
     return triangles_of(result)
 
 
-def _tool(body: Body, hole: Loop, laid: Laid, walls: Walls) -> Manifold:
+def _tool(body: Body, well: Well, laid: Laid) -> Manifold:
     """One hole as a closed mesh that stands out of the wall on both sides (a pocket: only in front)."""
-    lines, frames = laid.line(hole.flatten(SAMPLE_MM))
+    hole = well.loops[0]
+    uv = np.vstack([hole.flatten(SAMPLE_MM), quadrature([hole])[0]])
+    lines, frames = laid.line(uv)
     met = probe(body, lines, frames[:, 2])
-    front, wall = float(np.nanmax(met.offset_mm)), float(np.nanmax(met.wall_mm - np.minimum(met.offset_mm, 0)))
-    margin = CLEARANCE * wall + max(front, 0.0)
-    well = hole_wells((hole,), laid.thickness_mm, walls, False)[0]
+    wall = float(np.nanmax(met.wall_mm))
+    margin = CLEARANCE * wall
+    straight = len(well.loops) == 2 and well.loops[0] == well.loops[1]
+    if isinstance(laid, Projected) and straight and not well.floor:
+        return _straight_tool(hole, laid, lines + met.offset_mm[:, None] * frames[:, 2], met.wall_mm, margin)
     # A flared through-hole goes on straight from the nominal back to the far end of an uneven wall.
-    depths = [level.depth_mm for level in well.levels]
-    loops = list(well.loops)
+    proud = margin + float(np.nanmax(np.abs(met.offset_mm)))
+    depths, loops = [level.depth_mm for level in well.levels], list(well.loops)
     if not well.floor:
-        if len(loops) > 2 or loops[0] != loops[-1]:
-            depths.append(max(wall, depths[-1]) + margin)
-            loops.append(loops[-1])
-        else:
-            depths[-1] = wall + margin
-    levels = tuple(Level(d + margin if d else 0.0, False) for d in depths)
-    rim = Well(tuple(loop.reversed() for loop in loops), levels)
+        depths.append(max(wall, depths[-1]) + proud)
+        loops.append(loops[-1])
+    levels = tuple(Level(d + proud if d else 0.0, False) for d in depths)
 
     def place(uv: Array, depth_mm: float) -> Array:
-        return laid.at_depth(uv, depth_mm - margin)
+        return laid.at_depth(uv, depth_mm - proud)
 
-    return manifold_of(triangulate([rim], levels[-1].depth_mm, place))
+    rim = Well(tuple(loop.reversed() for loop in loops), levels)
+    return manifold_of(triangulate([rim], levels[-1].depth_mm, place, flat=body.faceted))
+
+
+def _straight_tool(hole: Loop, laid: Projected, front: Array, wall_mm: Array, margin: float) -> Manifold:
+    """A prism along the projection's axis from above the highest front to below the lowest back."""
+    height = laid.frame_at_centre.to_frame(front)[:, 2]
+    top, bottom = float(np.nanmax(height)) + margin, float(np.nanmin(height - wall_mm)) - margin
+    loop = hole.reversed()
+
+    def place(uv: Array, depth_mm: float) -> Array:
+        return laid.frame_at_centre.to_space(np.column_stack([uv, np.full(len(uv), top - depth_mm)]))
+
+    levels = (Level(0.0, False), Level(top - bottom, False))
+    return manifold_of(triangulate([Well((loop, loop), levels)], top - bottom, place, flat=True))
 
 
 def manifold_of(mesh: Triangles) -> Manifold:

@@ -1,0 +1,245 @@
+"""From triangles as they come to one closed body: what can be mended is, the rest is counted and refused."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perfqr_cad.errors import DesignError, KernelError
+from perfqr_cad.solid.imported.body import weld
+from perfqr_cad.solid.imported.tool import manifold_of, triangles_of
+from perfqr_cad.surface import Triangles
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+WELD_SHARE = 1e-6  # of the diagonal: single-precision files round corners by about this
+# A gap round which the rim is shorter than this share of the diagonal is filled flat; a longer one is an opening.
+FILL_SHARE = 0.15
+DUST_SHARE = 1e-6  # of the greatest body's volume: pieces below are rubbish from modelling
+SHORTEST = 1e-9
+
+
+@dataclass(frozen=True)
+class Mended:
+    """A closed body, and what was wrong with the mesh it came from."""
+
+    triangles: Triangles
+    duplicate_triangles: int
+    filled_gaps: int
+    dropped_pieces: int
+
+
+def mend(mesh: Triangles, part: int | None = None) -> Mended:
+    """Weld, drop degenerate and doubled triangles, fill small gaps, turn faces outward, unite overlapping bodies.
+
+    `part` picks one of several separate bodies, 1 the greatest. Raises `KernelError` with counts for what cannot
+    be mended (open rims, edges of three or more triangles, triangles through each other) and `DesignError` for
+    several bodies of which none is chosen.
+    """
+    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    welded, _ = weld(mesh.vertices, mesh.faces, WELD_SHARE * diagonal)
+    faces, duplicates = _without_doubles(welded)
+    vertices, faces, gaps = _filled(welded.vertices, faces, FILL_SHARE * diagonal)
+    _refuse_non_manifold(faces)
+    faces = _consistent(faces)
+    bodies, dust = _bodies(Triangles(vertices, faces))
+    crossing = sum(self_crossings(body) for body in bodies)
+    if crossing:
+        raise KernelError(
+            f"the mesh cuts through itself at {crossing} edges: rebuild it as one outer surface (a boolean union in "
+            "the program it comes from) and export again"
+        )
+    return Mended(_one(bodies, part), duplicates, gaps, dust)
+
+
+def _without_doubles(mesh: Triangles) -> tuple[Index, int]:
+    """Triangles with distinct corner sets."""
+    _, first = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True)
+    return mesh.faces[np.sort(first)], len(mesh.faces) - len(first)
+
+
+def _rims(faces: Index) -> Index:
+    """Directed edges (k, 2) that have no partner."""
+    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    _, index, counts = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+    return edges[index[counts == 1]]
+
+
+def _filled(vertices: Array, faces: Index, longest_mm: float) -> tuple[Array, Index, int]:
+    """Small gaps closed by a fan about their middle. Raises `KernelError` listing the openings that are left."""
+    rims = _rims(faces)
+    if not len(rims):
+        return vertices, faces, 0
+    loops, tangled = _loops(rims)
+    lengths = [float(np.linalg.norm(np.diff(vertices[[*loop, loop[0]]], axis=0), axis=1).sum()) for loop in loops]
+    open_rims = [length for length in lengths if length > longest_mm]
+    if open_rims or tangled:
+        longest = max(open_rims, default=0.0)
+        raise KernelError(
+            f"the mesh is open: {len(rims)} edges have one triangle only, in {len(loops) + tangled} rims, the longest "
+            f"{longest:.4g} mm round (up to {longest_mm:.3g} mm is filled): close it in the program it comes from"
+        )
+    fans = []
+    for k, loop in enumerate(loops):
+        ring = np.array(loop)
+        fans.append(np.column_stack([np.roll(ring, -1), ring, np.full(len(ring), len(vertices) + k)]))
+    middles = [vertices[loop].mean(axis=0) for loop in loops]
+    return np.vstack([vertices, middles]), np.vstack([faces, *fans]), len(loops)
+
+
+def _loops(rims: Index) -> tuple[list[list[int]], int]:
+    """Closed chains of rim edges, whichever way each edge runs; and the number of chains that branch."""
+    neighbours: dict[int, list[int]] = {}
+    for a, b in rims.tolist():
+        neighbours.setdefault(a, []).append(b)
+        neighbours.setdefault(b, []).append(a)
+    tangled = sum(len(n) != 2 for n in neighbours.values())
+    if tangled:
+        return [], tangled
+    following = dict(rims.tolist())
+    loops: list[list[int]] = []
+    left = set(neighbours)
+    while left:
+        start = min(left)
+        chain, at = [start], following.get(start, neighbours[start][0])
+        while at != start:
+            chain.append(at)
+            at = next((n for n in neighbours[at] if n != chain[-2]), start)
+        left -= set(chain)
+        loops.append(chain)
+    return loops, 0
+
+
+def _refuse_non_manifold(faces: Index) -> None:
+    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    counts = np.unique(edges, axis=0, return_counts=True)[1]
+    if (bad := int((counts != 2).sum())) > 0:
+        raise KernelError(
+            f"the mesh is not a surface of a body: {bad} edges have other than two triangles: remove inner walls and "
+            "doubled sheets in the program it comes from"
+        )
+
+
+def _consistent(faces: Index) -> Index:
+    """All triangles of each connected surface turned the same way."""
+    import trimesh
+    from trimesh import repair
+
+    sheet = trimesh.Trimesh(np.zeros((int(faces.max()) + 1, 3)), faces, process=False, validate=False)
+    repair.fix_winding(sheet)
+    return np.asarray(sheet.faces, np.int64)
+
+
+def _bodies(mesh: Triangles) -> tuple[list[Triangles], int]:
+    """Closed bodies, greatest first, each with the cavities inside it; and how much dust was swept away."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    a, b = mesh.faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
+    count = len(mesh.vertices)
+    _, label = connected_components(coo_matrix((np.ones(len(a)), (a, b)), shape=(count, count)), directed=False)
+    pieces = [_outward(_compact(mesh, label[mesh.faces[:, 0]] == k)) for k in np.unique(label[mesh.faces[:, 0]])]
+    pieces.sort(key=lambda m: -m.volume_mm3)
+    solid = [p for p in pieces if p.volume_mm3 > DUST_SHARE * pieces[0].volume_mm3]
+    depth = [sum(_inside(p.vertices[0], q) for q in solid if q is not p) for p in solid]
+    bodies = [p for p, d in zip(solid, depth, strict=True) if d % 2 == 0]
+    cavities = [p for p, d in zip(solid, depth, strict=True) if d % 2 == 1]
+    return [_with_cavities(body, cavities, bodies) for body in bodies], len(pieces) - len(solid)
+
+
+def _with_cavities(body: Triangles, cavities: list[Triangles], bodies: list[Triangles]) -> Triangles:
+    """The body joined with the turned surfaces of the cavities whose tightest body it is."""
+    own = [
+        Triangles(c.vertices, c.faces[:, ::-1])
+        for c in cavities
+        if min((b for b in bodies if _inside(c.vertices[0], b)), key=lambda b: b.volume_mm3) is body
+    ]
+    return body.joined(*own) if own else body
+
+
+def _compact(mesh: Triangles, chosen: NDArray[np.bool_]) -> Triangles:
+    used, index = np.unique(mesh.faces[chosen], return_inverse=True)
+    return Triangles(mesh.vertices[used], index.reshape(-1, 3))
+
+
+def _outward(mesh: Triangles) -> Triangles:
+    return mesh if mesh.volume_mm3 >= 0 else Triangles(mesh.vertices, mesh.faces[:, ::-1])
+
+
+def _inside(point: Array, mesh: Triangles) -> bool:
+    """Whether a point lies inside a closed mesh: its winding number by solid angles (van Oosterom and Strackee)."""
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces] - point, 1, 0)
+    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+    volume = np.einsum("ki,ki->k", a, np.cross(b, c))
+    dots = np.einsum("ki,ki->k", a, b) * lc + np.einsum("ki,ki->k", b, c) * la + np.einsum("ki,ki->k", c, a) * lb
+    return bool(abs(2 * np.arctan2(volume, la * lb * lc + dots).sum()) > 2 * np.pi)
+
+
+def self_crossings(mesh: Triangles) -> int:
+    """Edges that pierce a triangle they do not touch: two triangles cross exactly when an edge of one does."""
+    import trimesh
+    from trimesh.ray.ray_pyembree import RayMeshIntersector
+
+    edges = np.unique(np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    start, span = mesh.vertices[edges[:, 0]], mesh.vertices[edges[:, 1]] - mesh.vertices[edges[:, 0]]
+    length = np.linalg.norm(span, axis=1)
+    long = length > SHORTEST
+    edges, start, span, length = edges[long], start[long], span[long], length[long]
+    caster = RayMeshIntersector(trimesh.Trimesh(mesh.vertices, mesh.faces, process=False, validate=False))
+    pierced = np.zeros(len(edges), bool)
+    active, offset = np.arange(len(edges)), np.zeros(len(edges))
+    while len(active):
+        unit = span[active] / length[active, None]
+        _, ray, triangle = caster.intersects_location(
+            start[active] + offset[active, None] * unit, unit, multiple_hits=False
+        )
+        edge = active[ray]
+        share, strict = _pierces(mesh, triangle, start[edge], span[edge])
+        ahead = (share > offset[edge] / length[edge]) & (share < 1)
+        touching = (mesh.faces[triangle][:, :, None] == edges[edge][:, None, :]).any(axis=(1, 2))
+        pierced[edge[ahead & strict & ~touching]] = True
+        # A neighbour's triangle may hide what lies behind it: look again from just beyond.
+        again = ahead & ~pierced[edge]
+        offset[edge[again]] = share[again] * length[edge[again]] + 1e-3 * length[edge[again]]
+        active = edge[again & (offset[edge] < length[edge])]
+    return int(pierced.sum())
+
+
+def _pierces(mesh: Triangles, triangle: Index, start: Array, span: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Where segments cross the planes of triangles, as shares of the segments, and whether strictly inside both.
+
+    Möller and Trumbore in double precision; the ray caster's single precision only proposes.
+    """
+    margin = 1e-7
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces[triangle]], 1, 0)
+    side_b, side_c, to = b - a, c - a, start - a
+    p = np.cross(span, side_c)
+    det = np.einsum("ki,ki->k", side_b, p)
+    scale = np.linalg.norm(span, axis=1) * np.linalg.norm(side_b, axis=1) * np.linalg.norm(side_c, axis=1)
+    flat = np.abs(det) <= 1e-12 * scale
+    det = np.where(flat, 1.0, det)
+    q = np.cross(to, side_b)
+    u, v = np.einsum("ki,ki->k", to, p) / det, np.einsum("ki,ki->k", span, q) / det
+    share = np.where(flat, 1.0, np.einsum("ki,ki->k", side_c, q) / det)
+    inside = (u > margin) & (v > margin) & (u + v < 1 - margin) & (share > margin) & (share < 1 - margin)
+    return share, inside & ~flat
+
+
+def _one(bodies: list[Triangles], part: int | None) -> Triangles:
+    """The one body: overlapping ones united, separate ones chosen by number."""
+    import manifold3d
+
+    if len(bodies) > 1:
+        united = manifold3d.Manifold.batch_boolean([manifold_of(b) for b in bodies], manifold3d.OpType.Add)
+        bodies = _bodies(triangles_of(united))[0]
+    if len(bodies) == 1:
+        return bodies[0]
+    sizes = ", ".join(f"{b.volume_mm3:.4g}" for b in bodies[:5]) + (", …" if len(bodies) > 5 else "")
+    if part is None:
+        raise DesignError(f"the mesh has {len(bodies)} separate bodies ({sizes} mm³): choose part=1 to {len(bodies)}")
+    if not 1 <= part <= len(bodies):
+        raise DesignError(f"no part {part}: the mesh has {len(bodies)} separate bodies, 1 the greatest")
+    return bodies[part - 1]

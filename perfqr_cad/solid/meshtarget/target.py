@@ -1,0 +1,137 @@
+"""The target `mesh`: a code carved into a triangle mesh, as the paper does with the Bunny (§5.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from perfqr_cad.errors import DesignError
+from perfqr_cad.solid.imported.body import Body, body_of_mesh
+from perfqr_cad.solid.imported.lay import Projected
+from perfqr_cad.solid.imported.survey import Survey, survey
+from perfqr_cad.solid.imported.target import GRID, LEAST_MODULES, MARGIN
+from perfqr_cad.solid.meshtarget.spot import Wish, place
+from perfqr_cad.surface import Triangles
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import Pattern
+    from perfqr_cad.solid.shape import Solid
+    from perfqr_cad.solid.walls import Walls
+    from perfqr_cad.surface import Placement
+
+Triple = tuple[float, float, float]
+
+# A mesh is often thicker than a CAD wall and stays readable from the front: the paper's Bunny is.
+MAX_WALL_MODULES = 5.0
+
+
+@dataclass(frozen=True)
+class MeshTarget:
+    """A spot on a triangle mesh.
+
+    path       STL, OBJ, PLY, OFF or 3MF; `part` numbers one of several separate bodies, 1 the greatest
+    scale      factor on the file's coordinates; or `extent_mm`, the longest edge of the bounding box wanted
+    point, direction   where the reader is and looks, mm, after scaling; a point on the surface needs no
+               direction; None: the flattest spot that takes the code
+    up         what points up in the code; default +z, or +y where the spot looks along z
+    hollow_mm  make the body a shell of that thickness first
+    depth_mm   blind pockets of that depth instead of through-holes
+    exact      give back the panel under the code as an exact B-spline solid instead of the carved mesh
+    """
+
+    path: str | Path | None = None
+    point: Triple | None = None
+    direction: Triple | None = None
+    scale: float = 1.0
+    extent_mm: float | None = None
+    hollow_mm: float | None = None
+    depth_mm: float | None = None
+    part: int | None = None
+    up: Triple | None = None
+    exact: bool = False
+    mesh: Triangles | None = field(default=None, repr=False)
+
+    @staticmethod
+    def of(mesh: Triangles, **place: Any) -> MeshTarget:
+        """A mesh in memory, mm; `place` as above."""
+        return MeshTarget(mesh=mesh, **place)
+
+    @cached_property
+    def outer(self) -> Triangles:
+        """The mended, scaled body. Raises `KernelError` or `DesignError` for what cannot be mended."""
+        from perfqr_cad.solid.meshtarget.reader import read_mesh
+        from perfqr_cad.solid.meshtarget.repair import mend
+
+        if self.mesh is None and not self.path:
+            raise DesignError("no mesh is given: name an STL, OBJ, PLY, OFF or 3MF file")
+        raw = self.mesh if self.mesh is not None else read_mesh(str(self.path))
+        factor = self.scale
+        if self.extent_mm is not None:
+            factor *= self.extent_mm / float(np.ptp(raw.vertices, axis=0).max() * self.scale)
+        if not (np.isfinite(factor) and factor > 0):
+            raise DesignError(f"scale {factor:g} is not above 0: give the longest edge in mm, or a factor")
+        return mend(Triangles(raw.vertices * factor, raw.faces), self.part).triangles
+
+    @cached_property
+    def body(self) -> Body:
+        """The body that is carved: the outer one, or the shell made of it."""
+        if self.hollow_mm is None:
+            return body_of_mesh(self.outer)
+        from perfqr_cad.solid.meshtarget.hollow import hollowed
+
+        return body_of_mesh(hollowed(self.outer, self.hollow_mm))
+
+    def placement(self, size_mm: float) -> Placement:
+        """Where a code of that edge lies. Raises `DesignError` with the reason and what works instead."""
+        found = place(self.body, Wish(self.point, self.direction, self.up), size_mm, self._problem)
+        laid = _projected(self.body, found)
+        laid.check(size_mm)
+        return laid
+
+    def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
+        """The carved mesh (a `Solid` of triangles only), or with `exact` the B-spline panel under the code."""
+        from perfqr_cad.solid.imported.tool import carved_mesh
+        from perfqr_cad.solid.meshtarget.patch import fit_patch
+        from perfqr_cad.solid.meshtarget.result import mesh_solid
+        from perfqr_cad.solid.sections import hole_wells
+        from perfqr_cad.solid.walls import Walls
+
+        if not isinstance(placement, Projected):
+            raise DesignError("a mesh takes its own placement: use the one this target returned")
+        if walls.depth_mm is None and self.depth_mm is not None:
+            walls = Walls(walls.draft_deg, walls.lip_mm, self.depth_mm)
+        if self.exact:
+            return fit_patch(self.body, placement, pattern.size_mm).solid(pattern, walls)
+        wells = hole_wells(pattern.region, placement.thickness_mm, walls, False, pattern.spec.web_mm)
+        carved = carved_mesh(self.body, wells, placement)
+        return mesh_solid(carved, self.name)
+
+    @property
+    def name(self) -> str:
+        """The file's name without its ending."""
+        return Path(self.path).stem if self.path else "mesh"
+
+    def _problem(self, found: Survey) -> str | None:
+        limit = MAX_WALL_MODULES * found.size_mm / LEAST_MODULES
+        reason = found.front_problem() or found.wall_problem(self.depth_mm, limit)
+        if reason is not None and "set depth" in reason and self.hollow_mm is None:
+            return f"{reason}, or hollow (mm) for a shell"
+        return reason
+
+
+def _projected(body: Body, found: Survey) -> Projected:
+    """The projection of a code at a surveyed place; the rim's heights are kept on beyond the code."""
+    near = survey(body, found.frame, found.size_mm, GRID)
+    span = MARGIN * found.size_mm
+    line, wider = (np.linspace(-s / 2, s / 2, GRID) for s in (found.size_mm, span))
+    from scipy.interpolate import RegularGridInterpolator
+
+    heights = RegularGridInterpolator((line, line), near.height_mm, bounds_error=False, fill_value=None)
+    grid = np.stack(np.meshgrid(wider, wider, indexing="ij"), axis=-1)
+    return Projected(found.frame, span, heights(grid), found.thickness_mm)
+
+
