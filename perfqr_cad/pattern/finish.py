@@ -18,7 +18,7 @@ from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.symbol import Matrix, Symbol, readability
 
 if TYPE_CHECKING:
-    from shapely.geometry import MultiPolygon, Polygon
+    from shapely.geometry import Polygon
 
 MOST_MENDS = 4  # rounds; a mend can only join
 WEB_TOL = 0.01  # of the least web: rounding of coordinates and of the arcs of the eroding disc
@@ -50,10 +50,12 @@ def finish(draft: Draft, job: Job | Pattern) -> Pattern:
 
 def mended(draft: Draft, spec: PatternSpec) -> Draft:
     """The draft with a bridge wherever something thinner than the least web holds a piece."""
+    import shapely
     from shapely.ops import nearest_points
 
     for _ in range(MOST_MENDS):
-        pieces = web_pieces(ground(draft), spec.web_mm)
+        parts = shapely.get_parts(ground(draft))
+        pieces = [piece for part in parts for piece in web_pieces(part, spec.web_mm) or [part]]
         pieces.sort(key=lambda piece: piece.area)
         for k, piece in enumerate(pieces[:-1]):
             other = min(pieces[k + 1 :], key=piece.distance)
@@ -64,7 +66,7 @@ def mended(draft: Draft, spec: PatternSpec) -> Draft:
     return draft
 
 
-def web_pieces(polygon: Polygon | MultiPolygon, web_mm: float) -> list[Polygon]:
+def web_pieces(polygon: Polygon, web_mm: float) -> list[Polygon]:
     """What is left of a polygon after erosion by half the least web."""
     import shapely
 
