@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern.outline import Region
-from perfqr_cad.surface import Cone, HeightField, Placement, Plane, Revolved, Triangles
+from perfqr_cad.surface import Cone, HeightField, Placement, Plane, Revolved
 
 from . import occ
 from .chart import Chart
@@ -15,6 +15,7 @@ from .expected import volume_mm3
 from .mesh import CHORD_MM, triangulate
 from .occ import EDGE, FACE, SOLID, explore
 from .plane_chart import PlaneChart
+from .proof import check
 from .punch import panel
 from .sections import wells
 from .shape import LIGHT, Colour, Solid
@@ -70,7 +71,11 @@ def build_region(
         bbox = occ.bounds(explore(shape, FACE)[:2])  # front and back: walls are ruled between their edges
     expected = volume_mm3(stands, placement)
     triangles = triangulate(stands, placement.thickness_mm, placement.at_depth, chord_mm=chord_mm, flat=placement.is_flat)
-    problems = _problems(volume, expected, triangles, placement.is_flat)
+    through = 0 if walls.depth_mm is not None else len(region.holes)
+    limit = FLAT_VOLUME_TOL if placement.is_flat else CURVED_VOLUME_TOL
+    problems = check(shape, genus=through, expected_volume_mm3=expected, volume_tol=limit, volume_mm3=volume)
+    if not triangles.closed:
+        problems = (*problems, "the triangles do not close")
     return Solid(
         shape=shape,
         triangles=triangles,
@@ -85,16 +90,6 @@ def build_region(
         name=name,
         colour=colour,
     )
-
-
-def _problems(volume: float, expected: float, triangles: Triangles, flat: bool) -> tuple[str, ...]:
-    found: list[str] = []
-    limit = FLAT_VOLUME_TOL if flat else CURVED_VOLUME_TOL
-    if abs(volume - expected) > limit * expected:
-        found.append(f"volume {volume:.9g} mm³, expected {expected:.9g} mm³ (limit {limit:g} of it)")
-    if not triangles.closed:
-        found.append("the triangles do not close")
-    return tuple(found)
 
 
 def chart_of(placement: Placement) -> Chart:

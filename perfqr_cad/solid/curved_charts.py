@@ -38,7 +38,7 @@ from perfqr_cad.surface.spline import (
 
 from .chart import Column, Level, Trace, Wall
 from .fitted import Sight, lay_fitted
-from .occ import Array, direction, line_2d, pnt, spline_curve, spline_surface
+from .occ import TOLERANCE_MM, Array, direction, line_2d, pnt, spline_curve, spline_surface
 
 OFFSET_FIT_MM = 1e-6  # between the modelled back and the true offset of the front
 PIECES = (1, 2, 4, 8, 16, 32, 64)  # of each span of the front's spline, in the spline of an offset of it
@@ -128,7 +128,10 @@ class RevolvedChart:
         ahead = math.copysign(1.0, u1 - u)
         frame = gp_Ax2(gp_Pnt(0, height, 0), gp_Dir(0, ahead, 0), self._ray(u))
         image = line_2d(u / self.wall.centre_radius_mm + math.pi, v * self._speed, ahead, 0)
-        return Trace(Geom_Circle(frame, radius), 0.0, abs(u1 - u) / self.wall.centre_radius_mm, image)
+        exact = isinstance(self.wall, Cylinder | Sphere)
+        tolerance = TOLERANCE_MM if exact else TOLERANCE_MM + 2 * OFFSET_FIT_MM  # other backs are fitted
+        sweep = abs(u1 - u) / self.wall.centre_radius_mm
+        return Trace(Geom_Circle(frame, radius), 0.0, sweep, image, tolerance)
 
     def _parallel_wall(self, line: Line, depth_a: float, depth_b: float) -> Wall | None:
         """Between two coaxial circles; None where it would be a cylinder about the axis (an axial normal)."""

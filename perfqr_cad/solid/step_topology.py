@@ -31,7 +31,7 @@ class Topology:
         curves = self._edges(solid, edges)
         outer = BRepClass3d.OuterShell_s(solid)
         shell = self._shell(outer, edges, curves)
-        voids = [self._shell(s, edges, curves) for s in _children(solid) if not s.IsSame(outer)]
+        voids = [self._shell(s, edges, curves) for s in children(solid) if not s.IsSame(outer)]
         if not voids:
             return self._add(f"MANIFOLD_SOLID_BREP({text(name)},#{shell})")
         cavities = refs([self._add(f"ORIENTED_CLOSED_SHELL('',*,#{v},.T.)") for v in voids])
@@ -58,7 +58,7 @@ class Topology:
         return curves
 
     def _shell(self, shell: TopoDS_Shape, edges: TopTools_IndexedMapOfShape, curves: list[int]) -> int:
-        faces = [self._face(TopoDS.Face_s(face), edges, curves) for face in _children(shell)]
+        faces = [self._face(TopoDS.Face_s(face), edges, curves) for face in children(shell)]
         return self._add(f"CLOSED_SHELL('',{refs(faces)})")
 
     def _face(self, face: TopoDS_Face, edges: TopTools_IndexedMapOfShape, curves: list[int]) -> int:
@@ -66,10 +66,10 @@ class Topology:
         surface, mirrored = self._geometry.surface(BRep_Tool.Surface_s(face))
         bounds: list[int] = []
         ahead = TopoDS.Face_s(face.Oriented(FORWARD))
-        wires = _children(ahead)
+        wires = children(ahead)
         outer = wires[0] if len(wires) == 1 else BRepTools.OuterWire_s(ahead)
         for wire in wires:
-            loop = self._loop(_in_order(TopoDS.Wire_s(wire), ahead), edges, curves)
+            loop = self._loop(in_order(TopoDS.Wire_s(wire), ahead), edges, curves)
             kind = "FACE_OUTER_BOUND" if wire.IsSame(outer) else "FACE_BOUND"
             bounds.append(self._add(f"{kind}('',#{loop},{flag(forward)})"))
         return self._add(f"ADVANCED_FACE('',{refs(bounds)},#{surface},{flag(forward != mirrored)})")
@@ -84,9 +84,9 @@ class Topology:
         return self._add(f"EDGE_LOOP('',{refs(oriented)})")
 
 
-def _in_order(wire: TopoDS_Wire, face: TopoDS_Face) -> list[TopoDS_Edge]:
+def in_order(wire: TopoDS_Wire, face: TopoDS_Face) -> list[TopoDS_Edge]:
     """The edges of a wire head to tail; as stored, where they are so, which spares the kernel's slower walk."""
-    edges = [TopoDS.Edge_s(e) for e in _children(wire)]
+    edges = [TopoDS.Edge_s(e) for e in children(wire)]
     if wire.Orientation() == REVERSED:
         edges.reverse()
     ends = [TopExp.LastVertex_s(e, True) for e in edges]
@@ -100,7 +100,7 @@ def _in_order(wire: TopoDS_Wire, face: TopoDS_Face) -> list[TopoDS_Edge]:
     return walked
 
 
-def _children(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
+def children(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
     """Sub-shapes one level down, orientations and locations composed."""
     found: list[TopoDS_Shape] = []
     children = TopoDS_Iterator(shape)
