@@ -106,7 +106,9 @@ class MeshTarget:
             walls = Walls(walls.draft_deg, walls.lip_mm, self.depth_mm)
         if self.exact:
             return fit_patch(self.body, placement, pattern.size_mm).solid(pattern, walls)
-        wells = hole_wells(pattern.region, placement.thickness_mm, walls, False, pattern.spec.web_mm)
+        wells = hole_wells(
+            pattern.region.holes, placement.thickness_mm, walls, False, min_web_mm=pattern.spec.web_mm
+        )
         carved = carved_mesh(self.body, wells, placement)
         return mesh_solid(carved, self.name)
 
