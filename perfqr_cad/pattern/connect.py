@@ -26,6 +26,7 @@ AREA_PRICE = 0.02  # expected misread modules that a module's area of change is 
 BRIDGE_DOSE = 0.3  # brightness that a bridge along its edge adds to a module: risk is measured over this rise
 CENTRE_PRICE = 4.0  # expected misread modules for painting over the whole sampled centre of a module
 FINDER_PRICE = 8.0  # expected misread modules for painting over a module that a reader finds the code by
+QUIET_PRICE = 8.0  # expected misread modules for a module's area of material in a void quiet zone
 LENGTH_PRICE = 1e-3  # of the area price: of two routes that cost the same, the shorter
 STEPS_PER_MODULE = 4
 MOST_CONFLICT_ROUNDS = 6
@@ -120,8 +121,9 @@ def cell_price(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Field:
     centre = np.kron(CENTRE_PRICE * harmful, np.outer(sample_weights(u), sample_weights(u)))
     roles = layout(symbol.version, symbol.level).roles
     finder = np.kron((roles == Role.FINDER) * FINDER_PRICE, np.full((u, u), 1 / u**2))
-    price[quiet * u : (quiet + n) * u, quiet * u : (quiet + n) * u] += centre + finder
-    return price
+    inner = np.s_[quiet * u : (quiet + n) * u]
+    price[inner, inner] += centre + finder - QUIET_PRICE / u**2
+    return price + QUIET_PRICE / u**2
 
 
 def route_bars(route: Route, brush: int) -> list[Bar]:

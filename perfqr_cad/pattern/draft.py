@@ -13,6 +13,7 @@ import numpy as np
 
 from perfqr_cad.pattern.bridge import Bridge, Stage
 from perfqr_cad.pattern.lattice import Cells, Lattice, checkerboards
+from perfqr_cad.pattern.outline import Loop
 from perfqr_cad.pattern.sampling import brightness
 
 MAX_LINK_ROUNDS = 8  # a link may make its neighbours touch at a corner; each round only joins more
@@ -41,6 +42,8 @@ class Draft:
 
     upright   the solid cells without the slanted bridges, whose exact outlines are added at the end
     asked     the solid cells of the art as it was asked for
+    shapes    holes with exact outlines, void in the lattice but not in `upright`
+    smooth_mm tolerance within which the outline may be smoothed; 0 keeps it exact
     """
 
     lattice: Lattice
@@ -48,6 +51,8 @@ class Draft:
     asked: Cells
     bridges: tuple[Bridge, ...] = ()
     slanted: tuple[Bridge, ...] = ()
+    shapes: tuple[Loop, ...] = ()
+    smooth_mm: float = 0.0
     edits: Mapping[str, int] = field(default_factory=dict)
 
     @property
@@ -90,6 +95,14 @@ class Draft:
             slanted=(*self.slanted, bridge),
         )
 
+    def with_shapes(self, shapes: Sequence[Loop]) -> Draft:
+        """Holes with exact outlines cut out; the art is then taken to be asked for with them."""
+        solid = self.solid.copy()
+        for shape in shapes:
+            paint_strip(solid, [self.lattice.from_mm((x, y)) for x, y in shape.flatten().tolist()], False)
+        lattice = self.lattice.with_solid(solid)
+        return replace(self, lattice=lattice, asked=solid, shapes=tuple(shapes))
+
     def _bridge(self, rect: Rect, bar: Bar, stage: Stage) -> Bridge:
         middle_x, middle_y = (rect.x0 + rect.x1) / 2, (rect.y0 + rect.y1) / 2
         ends = (
@@ -105,15 +118,19 @@ class Draft:
 SUBCELL_BITS = 8  # OpenCV's fixed-point fraction
 
 
-def paint_strip(solid: Cells, corners: Sequence[tuple[float, float]]) -> None:
+def paint_strip(solid: Cells, corners: Sequence[tuple[float, float]], value: bool = True) -> None:
     """Paints a convex polygon, given in lattice coordinates, cell by cell."""
     import cv2
 
     # Pixel centres are at whole numbers for OpenCV, at halves on the lattice.
-    fixed = np.rint((np.array(corners) - 0.5) * (1 << SUBCELL_BITS)).astype(np.int32)
-    canvas = solid.astype(np.uint8)
-    cv2.fillConvexPoly(canvas, fixed, 1, shift=SUBCELL_BITS)
-    solid[:] = canvas
+    points = np.array(corners) - 0.5
+    low = np.clip(np.floor(points.min(axis=0)).astype(int) - 1, 0, None)
+    high = np.clip(np.ceil(points.max(axis=0)).astype(int) + 2, 0, None)
+    window = solid[low[1] : high[1], low[0] : high[0]]
+    canvas = window.astype(np.uint8)
+    fixed = np.rint((points - low) * (1 << SUBCELL_BITS)).astype(np.int32)
+    cv2.fillConvexPoly(canvas, fixed, int(value), shift=SUBCELL_BITS)
+    window[:] = canvas
 
 
 def strip(bridge: Bridge) -> list[tuple[float, float]]:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.connect import join
 from perfqr_cad.pattern.draft import Bar, Draft, Rect, link_corners
-from perfqr_cad.pattern.finder import bars
+from perfqr_cad.pattern.finder import bars, core_bars
 from perfqr_cad.pattern.finish import Job, finish, mended
-from perfqr_cad.pattern.lattice import Lattice, draw, label
+from perfqr_cad.pattern.lattice import draw, label
 from perfqr_cad.pattern.paper import join_paper
 from perfqr_cad.pattern.pattern import Pattern
 from perfqr_cad.pattern.size import module_size
 from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.pattern.style import is_drawn, shaped_modules, shapes
 from perfqr_cad.pattern.tidy import fill_slivers, tidy
 from perfqr_cad.symbol import Symbol
 
@@ -31,8 +33,8 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     right_solid = symbol.matrix.dark == solid_is_dark
     asked = _asked(symbol, spec, art, module_mm)
     _, islands = label(asked.solid)
-    web, gap = asked.whole(spec.web_mm), asked.whole(spec.gap_mm)
-    draft = tidy(Draft(asked, asked.solid, asked.solid), right_solid, web, gap)
+    web, gap = asked.lattice.whole(spec.web_mm), asked.lattice.whole(spec.gap_mm)
+    draft = asked if asked.shapes else tidy(asked, right_solid, web, gap)
     draft = tie_rings(draft, symbol, spec)
     scale = 1 if art is None else art.scale
     losses: tuple[float, ...] = ()
@@ -43,18 +45,32 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     draft, optimality = join(draft, symbol, scale, spec.web_mm, solid_is_dark, spec.time_limit_s)
     if spec.objective != "optimal":
         optimality = None
-    draft = fill_slivers(draft, right_solid, gap)
+    if not draft.shapes:
+        draft = fill_slivers(draft, right_solid, gap)
     draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
     draft = mended(draft, spec)
     return finish(draft, Job(symbol, spec, islands, reason, optimality, losses))
 
 
-def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float) -> Lattice:
-    dark = symbol.matrix.dark if art is None else art.dark
+def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float) -> Draft:
+    """The art, or the plain modules in the style that was asked for, before anything is changed."""
     inverted = spec.tone == "inverted"
-    return draw(
-        dark == inverted, dark.shape[0] // symbol.size, spec.quiet_modules, module_mm, frame=not inverted
-    )
+    if is_drawn(spec.style) and art is None:
+        if inverted:
+            raise DesignError(
+                f"style {spec.style} draws holes, and with --tone inverted holes are light: use square"
+            )
+        ground = symbol.matrix.dark & ~shaped_modules(symbol)
+        lattice = draw(~ground, 1, spec.quiet_modules, module_mm, frame=True)
+        draft = Draft(lattice, lattice.solid, lattice.solid)
+        return draft.with_shapes(shapes(symbol, spec, lattice))
+    dark = symbol.matrix.dark if art is None else art.dark
+    scale = dark.shape[0] // symbol.size
+    lattice = draw(dark == inverted, scale, spec.quiet_modules, module_mm, frame=not inverted)
+    smooth_mm = 0.0
+    if art is not None and art.kind == "freeform" and spec.contour == "smooth":
+        smooth_mm = module_mm / art.scale
+    return Draft(lattice, lattice.solid, lattice.solid, smooth_mm=smooth_mm)
 
 
 def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
@@ -69,7 +85,8 @@ def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
         x, y = (edge + (k * u) + u // 2 for k in (column, row))
         return 0 <= x < lattice.cells and 0 <= y < lattice.cells and bool(lattice.solid[y, x])
 
-    for bar in bars(symbol.version, spec.finder, solid):
+    inverted = spec.tone == "inverted"
+    for bar in core_bars(symbol.version) if inverted else bars(symbol.version, spec.finder, solid):
         (x0, y0), (x1, y1) = ((round(edge + x * u), round(edge + y * u)) for x, y in (bar.start, bar.end))
         if x0 != x1 and y0 != y1:
             ends = lattice.to_mm(x0, y0), lattice.to_mm(x1, y1)

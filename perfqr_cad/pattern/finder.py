@@ -14,6 +14,8 @@ Solid = Callable[[int, int], bool]
 # Distance of the bar's middle from the pattern's corner, in modules: over the corner of the light ring, where
 # a scan line through the middle of the pattern does not meet it.
 BAR_OFFSET = 1.5
+# The same for a bar from the core: over the core's left module.
+CORE_BAR_OFFSET = 2.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +51,15 @@ def bars(version: int, strategy: FinderStrategy, solid: Solid) -> list[RingBar]:
     alignment pattern without material near any corner gets no bar: a route of its own does less harm.
     """
     return [bar for ring in rings(version) for bar in _BARS[strategy](ring, solid)]
+
+
+def core_bars(version: int) -> list[RingBar]:
+    """For dark material: a bar from the top of each pattern's core, beside its middle, to the dark ring."""
+    return [
+        RingBar((x, float(ring.row + 1)), (x, float(ring.row + 2)))
+        for ring in rings(version)
+        for x in (ring.column + CORE_BAR_OFFSET,)
+    ]
 
 
 def _side_bar(ring: Ring, solid: Solid) -> list[RingBar]:

@@ -10,16 +10,19 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.draft import Draft, strip
+from perfqr_cad.pattern.dress import filleted, smoothed
 from perfqr_cad.pattern.lattice import sharpened, trace
 from perfqr_cad.pattern.outline import Loop, Points, Region
 from perfqr_cad.pattern.pattern import Optimality, Pattern
 from perfqr_cad.pattern.sampling import brightness
 from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.pattern.style import ROUNDED_RADIUS
 from perfqr_cad.symbol import Matrix, Symbol, readability
 
 if TYPE_CHECKING:
     from shapely.geometry import Polygon
 
+LEAST_SMOOTHING_MM = 0.01  # below this a contour may as well be exact
 MOST_MENDS = 4  # rounds; a mend can only join
 WEB_TOL = 0.01  # of the least web: rounding of coordinates and of the arcs of the eroding disc
 
@@ -45,7 +48,27 @@ def finish(draft: Draft, job: Job | Pattern) -> Pattern:
             f"webs under {job.spec.web_mm:g} mm hold the pattern: without them {len(pieces)} pieces are left,"
             " 1 is needed; use a larger --size or a finer nozzle"
         )
-    return _pattern(draft, region, job)
+    return _pattern(draft, dressed(region, draft, job.spec), job)
+
+
+def dressed(region: Region, draft: Draft, spec: PatternSpec) -> Region:
+    """The outline with smooth contours, rounded corners and the holes of its style."""
+    region = _smooth(region, draft.smooth_mm, spec.web_mm)
+    radius_mm = spec.fillet_radius_mm
+    if spec.style == "rounded":
+        radius_mm = max(radius_mm, ROUNDED_RADIUS * draft.lattice.module_mm)
+    return filleted(region, radius_mm)
+
+
+def _smooth(region: Region, tolerance_mm: float, web_mm: float) -> Region:
+    """Smooth within the tolerance, or within less where that would cost a web."""
+    while tolerance_mm > LEAST_SMOOTHING_MM:
+        smooth = smoothed(region, tolerance_mm)
+        polygon = smooth.polygon()
+        if polygon.is_valid and len(web_pieces(polygon, web_mm)) == 1:
+            return smooth
+        tolerance_mm /= 2
+    return region
 
 
 def mended(draft: Draft, spec: PatternSpec) -> Draft:
@@ -111,7 +134,7 @@ def outline(draft: Draft) -> Region:
     holes = [points for points, area in zip(loops, areas, strict=True) if area < 0]
     if len(outers) != 1:
         raise _in_pieces(len(outers))
-    return Region(Loop.from_points(outers[0]), tuple(Loop.from_points(hole) for hole in holes))
+    return Region(Loop.from_points(outers[0]), (*(Loop.from_points(hole) for hole in holes), *draft.shapes))
 
 
 def ground(draft: Draft) -> Any:
@@ -120,6 +143,8 @@ def ground(draft: Draft) -> Any:
     from shapely.geometry import LinearRing, MultiLineString, Polygon
 
     shape = shapely.build_area(MultiLineString([LinearRing(points) for points in _drawn_loops(draft)]))
+    if draft.shapes:
+        shape = shapely.difference(shape, shapely.union_all([Polygon(s.flatten()) for s in draft.shapes]))
     if draft.slanted:
         shape = shapely.union_all([shape, *(Polygon(strip(bridge)) for bridge in draft.slanted)])
     return shape

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.lattice import cells_per_module
 from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.pattern.style import is_drawn, least_module_mm
 from perfqr_cad.symbol import Symbol
 
 if TYPE_CHECKING:
     from perfqr_cad.capture import Art
 
-WEBS_PER_MODULE = (
-    1.5  # a route along a module edge takes half a web of each side: at most a third of the module
-)
+# A route along a module edge takes half a web from each side: that may be a third of a module at most.
+WEBS_PER_MODULE = 1.5
 DOT_STEP = 1.01  # dots are tried in steps of a hundredth
 SIZE_STEP_MM = 0.1  # a size that is picked is rounded up to a tenth of a millimetre
 
@@ -23,7 +23,7 @@ SIZE_STEP_MM = 0.1  # a size that is picked is rounded up to a tenth of a millim
 def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[float, str]:
     """Module edge in mm, and why. DesignError with the least size that works when less is asked for."""
     modules = symbol.size + 2 * spec.quiet_modules
-    least_module, reason = _least_module(spec)
+    least_module, reason = _least_module(spec, is_drawn(spec.style) and art is None)
     least_size = _rounded_up(least_module * modules)
     if spec.size_mm is not None:
         if spec.size_mm < least_size:
@@ -42,7 +42,9 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
     return _rounded_up(least_module * modules) / modules, f"module {least_module:.3g} mm: {reason}"
 
 
-def _least_module(spec: PatternSpec) -> tuple[float, str]:
+def _least_module(spec: PatternSpec, drawn: bool) -> tuple[float, str]:
+    if drawn:
+        return least_module_mm(spec), f"{spec.style} that can be read, {spec.web_mm:g} mm apart"
     by_web = WEBS_PER_MODULE * spec.web_mm
     by_gap = spec.web_mm + spec.gap_mm
     if by_gap > by_web:

@@ -1,0 +1,124 @@
+"""Corners and edges of the finished outline: exact fillets, smooth contours of free-form art."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from perfqr_cad.pattern.outline import LEAST_MM, Arc, Bezier, Line, Loop, Point, Points, Region, Segment
+
+STRAIGHT_TURN_RAD = 1e-6  # a turn below this is rounding
+SMOOTH_TURN_RAD = math.radians(60)  # a sharper turn is a corner that the art meant
+SIMPLIFY_PART = 0.7  # of the tolerance goes into straightening stairs, the rest into rounding
+
+
+def filleted(region: Region, radius_mm: float) -> Region:
+    """Every re-entrant corner of the material between two lines rounded by an arc of at most the radius.
+
+    Fillets only add material, so what was one piece stays one. An edge too short for its two fillets gets
+    smaller ones.
+    """
+    if radius_mm <= 0:
+        return region
+    return Region(_filleted(region.outer, radius_mm), tuple(_filleted(h, radius_mm) for h in region.holes))
+
+
+def _filleted(loop: Loop, radius_mm: float) -> Loop:
+    if not all(isinstance(segment, Line) for segment in loop.segments):
+        return loop
+    corners = np.array([segment.start for segment in loop.segments])
+    edges = np.roll(corners, -1, axis=0) - corners
+    lengths = np.hypot(edges[:, 0], edges[:, 1])
+    before = np.roll(edges, 1, axis=0)
+    turn = np.arctan2(before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0], (before * edges).sum(axis=1))
+    # The material lies on the left: a turn to the right is re-entrant.
+    rounded = turn < -STRAIGHT_TURN_RAD
+    tangent = np.tan(np.abs(turn) / 2)
+    after = np.where(np.roll(rounded, -1), lengths / 2, lengths)  # half where the next corner takes the rest
+    ahead = np.where(np.roll(rounded, 1), np.roll(lengths, 1) / 2, np.roll(lengths, 1))
+    room = np.minimum(after, ahead)
+    cut = np.where(rounded, np.minimum(radius_mm * tangent, room), 0.0)
+    cut[cut < 10 * LEAST_MM] = 0.0
+    return Loop(tuple(_segments(corners, edges / lengths[:, None], cut, tangent)))
+
+
+def _segments(corners: Points, along: Points, cut: np.ndarray, tangent: np.ndarray) -> list[Segment]:
+    segments: list[Segment] = []
+    count = len(corners)
+    starts = corners + along * cut[:, None]
+    ends = corners - np.roll(along, 1, axis=0) * cut[:, None]
+    for k in range(count):
+        start, end = _point(starts[k]), _point(ends[(k + 1) % count])
+        if cut[k] > 0:
+            radius = cut[k] / tangent[k]
+            into = along[k - 1]
+            normal = np.array([into[1], -into[0]])  # to the right, where the void lies
+            segments.append(Arc(_point(ends[k]), start, _point(ends[k] + normal * radius), ccw=False))
+        if math.dist(start, end) > LEAST_MM:
+            segments.append(Line(start, end))
+    return _closed(segments)
+
+
+def smoothed(region: Region, tolerance_mm: float) -> Region:
+    """Stairs of pixels drawn as smooth edges that stay within the tolerance of them.
+
+    Stairs are straightened first (Douglas and Peucker), then gentle corners become Bézier arcs that leave and
+    meet the edges along their direction. Corners sharper than 60° stay.
+    """
+    import shapely
+
+    def smooth(loop: Loop, ccw: bool) -> Loop:
+        ring = shapely.Polygon(loop.flatten()).simplify(SIMPLIFY_PART * tolerance_mm)
+        return _bent(Loop.from_points(np.asarray(ring.exterior.coords)[:-1]).oriented(ccw), tolerance_mm)
+
+    return Region(smooth(region.outer, True), tuple(smooth(hole, False) for hole in region.holes))
+
+
+def _bent(loop: Loop, tolerance_mm: float) -> Loop:
+    corners = np.array([segment.start for segment in loop.segments])
+    edges = np.roll(corners, -1, axis=0) - corners
+    lengths = np.hypot(edges[:, 0], edges[:, 1])
+    along = edges / lengths[:, None]
+    before = np.roll(along, 1, axis=0)
+    turn = np.abs(
+        np.arctan2(before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0], (before * along).sum(1))
+    )
+    # A quadratic arc over cuts c passes its corner at c·sin(φ/2)/2.
+    bow = np.maximum(np.sin(turn / 2), 1e-9)
+    room = np.minimum(lengths, np.roll(lengths, 1)) / 2
+    cut = np.minimum(2 * (1 - SIMPLIFY_PART) * tolerance_mm / bow, room)
+    cut[(turn > SMOOTH_TURN_RAD) | (turn < STRAIGHT_TURN_RAD)] = 0.0
+    segments: list[Segment] = []
+    for k in range(len(corners)):
+        corner = corners[k]
+        start, end = corner - before[k] * cut[k], corner + along[k] * cut[k]
+        if cut[k] > 0:
+            c1, c2 = start + (corner - start) * 2 / 3, end + (corner - end) * 2 / 3
+            segments.append(Bezier(_point(start), _point(c1), _point(c2), _point(end)))
+        following = (k + 1) % len(corners)
+        to = corners[following] - along[k] * cut[following]
+        if math.dist(end, to) > LEAST_MM:
+            segments.append(Line(_point(end), _point(to)))
+    return Loop(tuple(_closed(segments)))
+
+
+def _closed(segments: list[Segment]) -> list[Segment]:
+    """Each segment made to start exactly where the one before ends."""
+    closed: list[Segment] = []
+    for k, segment in enumerate(segments):
+        end = segments[(k + 1) % len(segments)].start
+        match segment:
+            case Line(start, _):
+                closed.append(Line(start, end))
+            case Arc(start, _, centre, ccw):
+                closed.append(Arc(start, end, centre, ccw))
+            case Bezier(start, c1, c2, _):
+                closed.append(Bezier(start, c1, c2, end))
+            case _:
+                closed.append(segment)
+    return closed
+
+
+def _point(p: np.ndarray) -> Point:
+    return float(p[0]), float(p[1])
