@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .field import StressField
     from .reinforcement import Reinforcement
     from .reinforcing import reinforce
+    from .solid_check import SolidCheck, verify_solid
 
 __all__ = [
     "MATERIALS",
@@ -21,6 +22,7 @@ __all__ = [
     "Material",
     "Pressure",
     "Reinforcement",
+    "SolidCheck",
     "StressField",
     "Support",
     "Weight",
@@ -28,6 +30,7 @@ __all__ = [
     "analyse_region",
     "material",
     "reinforce",
+    "verify_solid",
 ]
 
 _HOME = {
@@ -35,7 +38,9 @@ _HOME = {
     "analyse_region": "analysis",
     "reinforce": "reinforcing",
     "Reinforcement": "reinforcement",
+    "SolidCheck": "solid_check",
     "StressField": "field",
+    "verify_solid": "solid_check",
 }
 
 

@@ -1,0 +1,209 @@
+"""The shell put through three-dimensional elasticity: 18-node wedges on the same triangles.
+
+Quadratic in the plane and through the thickness, so the section may warp, which a shell's straight normals
+may not. On modules as wide as the wall is thick that is the assumption to doubt.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from perfqr_cad.structure.analysis import DEFAULT_NOZZLE_MM, bends_only, prepare
+from perfqr_cad.structure.assembly import System
+from perfqr_cad.structure.loads import Load, Support
+from perfqr_cad.structure.materials import Material
+from perfqr_cad.structure.materials import material as material_named
+from perfqr_cad.structure.measure import disc_average, von_mises
+from perfqr_cad.structure.model import Model, forces_of
+from perfqr_cad.structure.solvers import factorise
+from perfqr_cad.structure.t6 import (
+    FROM_GAUSS_TO_CORNERS,
+    SIX_POINTS,
+    SIX_WEIGHTS,
+    THREE_POINTS,
+    Floats,
+    Ints,
+    gradients,
+    shapes,
+)
+from perfqr_cad.surface import Placement
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import Pattern
+
+DOFS = 3
+LAYERS = 3  # back, middle, front
+MESH_SIZE_MODULES = 1.0  # shell and solid are compared on one mesh, which need not be fine
+_THROUGH_POINTS, _THROUGH_WEIGHTS = np.polynomial.legendre.leggauss(2)
+_CHUNK = 4_000  # elements at a time
+
+
+@dataclass(frozen=True)
+class SolidCheck:
+    """Largest deflection (mm) and disc-averaged stress (MPa) of the solid and of the shell on one mesh."""
+
+    solid_deflection_mm: float
+    shell_deflection_mm: float
+    solid_stress_mpa: float
+    shell_stress_mpa: float
+    unknowns: int
+    solver: str
+
+    @property
+    def deflection_ratio(self) -> float:
+        """Shell over solid."""
+        return self.shell_deflection_mm / self.solid_deflection_mm
+
+    @property
+    def stress_ratio(self) -> float:
+        """Shell over solid."""
+        return self.shell_stress_mpa / self.solid_stress_mpa
+
+
+def verify_solid(
+    pattern: Pattern,
+    placement: Placement,
+    *,
+    material: Material | str = "PLA",
+    load: Load,
+    support: Support | str = "clamped",
+    nozzle_mm: float = DEFAULT_NOZZLE_MM,
+    mesh_size_mm: float | None = None,
+    solver: str | None = None,
+) -> SolidCheck:
+    """Any design as a solid: the same mesh, load and supports, in three dimensions.
+
+    Raises:
+        AnalysisError: as `analyse`.
+    """
+    size = mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm
+    stuff = material_named(material) if isinstance(material, str) else material
+    model = prepare(
+        pattern.polygon,
+        placement,
+        stuff,
+        support,
+        nozzle_mm=nozzle_mm,
+        mesh_size_mm=size,
+        bends=bends_only(load),
+    )
+    return check(model, load, nozzle_mm, solver)
+
+
+def check(model: Model, load: Load, nozzle_mm: float, solver: str | None = None) -> SolidCheck:
+    """A shell model against the solid on its mesh."""
+    shell_factor = factorise(model.lower(), solver)
+    forces = forces_of(model, load, shell_factor)
+    shell_answer = shell_factor.solve(np.where(model.fixed, 0.0, forces))
+
+    t, nodes = model.section.thickness_mm, len(model.mesh.nodes)
+    normals = model.frames[:, 2]
+    elements = layered(model.mesh.elements, nodes)
+    matrices = stiffness(model.positions, normals, model.mesh.elements, t, model.material)
+    held = model.fixed.reshape(nodes, -1)[:, 0]
+    fixed = np.tile(np.repeat(held, DOFS), LAYERS)
+    if model.support.hold.pinned:  # held on the middle layer only, so that the edge may turn
+        fixed = np.repeat(np.r_[np.zeros(nodes, bool), held, np.zeros(nodes, bool)], DOFS)
+    system = System(elements, DOFS, matrices, fixed)
+    right = np.zeros((LAYERS, nodes, DOFS))
+    right[1] = model.translations(forces)
+    factor = factorise(system.lower(), solver)
+    answer = factor.solve(np.where(fixed, 0.0, right.ravel()))
+
+    average = disc_average(model.mesh, nozzle_mm)
+    solid = stresses(model.positions, model.frames, model.mesh.elements, t, model.material, answer)
+    middle = answer.reshape(LAYERS, nodes, DOFS)[1]
+    return SolidCheck(
+        solid_deflection_mm=float(np.abs(np.einsum("nc,nc->n", middle, normals)).max()),
+        shell_deflection_mm=float(
+            np.abs(np.einsum("nc,nc->n", model.translations(shell_answer), normals)).max()
+        ),
+        solid_stress_mpa=float(von_mises(average(solid)).max()),
+        shell_stress_mpa=float(von_mises(average(model.corner_stresses(shell_answer))).max()),
+        unknowns=int(np.count_nonzero(~fixed)),
+        solver=factor.name,
+    )
+
+
+def layered(elements: Ints, nodes: int) -> Ints:
+    """Wedge connectivity (m, 18): the triangle's six nodes on the back, the middle and the front layer."""
+    return np.concatenate([elements + layer * nodes for layer in range(LAYERS)], axis=1)
+
+
+def elasticity(material: Material) -> Floats:
+    """The elasticity matrix (6, 6) in MPa for (xx, yy, zz, xy, yz, zx)."""
+    lame = material.e_mpa * material.nu / ((1 + material.nu) * (1 - 2 * material.nu))
+    c = np.zeros((6, 6))
+    c[:3, :3] = lame
+    c[range(3), range(3)] += 2 * material.shear_mpa
+    c[range(3, 6), range(3, 6)] = material.shear_mpa
+    return c
+
+
+def stiffness(
+    positions: Floats, normals: Floats, triangles: Ints, thickness_mm: float, material: Material
+) -> Floats:
+    """Element stiffness matrices (m, 54, 54), unknowns node by node, layer by layer."""
+    root = np.linalg.cholesky(elasticity(material)).T
+    out = np.empty((len(triangles), 54, 54))
+    for start in range(0, len(triangles), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        x, n = positions[triangles[part]], normals[triangles[part]]
+        rows = []
+        for point, weight in zip(SIX_POINTS, SIX_WEIGHTS, strict=True):
+            for zeta, through in zip(_THROUGH_POINTS, _THROUGH_WEIGHTS, strict=True):
+                strain, volume = _strains(x, n, point, float(zeta), thickness_mm)
+                rows.append(root @ strain * np.sqrt(weight * through * volume)[:, None, None])
+        stacked = np.concatenate(rows, axis=1)
+        np.matmul(stacked.transpose(0, 2, 1), stacked, out=out[part])
+    return out
+
+
+def _strains(x: Floats, n: Floats, point: Floats, zeta: float, thickness_mm: float) -> tuple[Floats, Floats]:
+    """Strains (m, 6, 54) in space axes and the volume Jacobian (m,) at a point of each wedge."""
+    value, slope = shapes(point[None])[0], gradients(point[None])[0]
+    through = np.array([zeta * (zeta - 1) / 2, 1 - zeta**2, zeta * (zeta + 1) / 2])
+    through_slope = np.array([zeta - 0.5, -2 * zeta, zeta + 0.5])
+    half = 0.5 * thickness_mm
+    layer = x + zeta * half * n
+    jacobian = np.stack([slope[0] @ layer, slope[1] @ layer, value @ n * half], axis=1)
+    local = np.stack(
+        [np.outer(through, slope[0]), np.outer(through, slope[1]), np.outer(through_slope, value)]
+    ).reshape(3, -1)
+    d = np.linalg.inv(jacobian) @ local
+    b = np.zeros((len(x), 6, 18, DOFS))
+    for row, (p, q) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))):
+        b[:, row, :, q] = d[:, p]
+        b[:, row, :, p] = d[:, q]
+    return b.reshape(len(x), 6, 54), np.linalg.det(jacobian)
+
+
+def stresses(
+    positions: Floats,
+    frames: Floats,
+    triangles: Ints,
+    thickness_mm: float,
+    material: Material,
+    displacement: Floats,
+) -> Floats:
+    """(σ11, σ22, τ12, τ13, τ23) in surface axes at the element corners: (m, 3, 3, 5), back, middle, front."""
+    c = elasticity(material)
+    u = displacement.reshape(-1, DOFS)[layered(triangles, len(positions))].reshape(len(triangles), -1)
+    axes = frames[triangles[:, 0]]
+    at_gauss = np.empty((len(triangles), 3, LAYERS, 5))
+    for start in range(0, len(triangles), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        x, n = positions[triangles[part]], frames[triangles[part], 2]
+        for g, point in enumerate(THREE_POINTS):
+            for layer, zeta in enumerate((-1.0, 0.0, 1.0)):
+                strain, _ = _strains(x, n, point, zeta, thickness_mm)
+                xx, yy, zz, xy, yz, zx = np.einsum("ab,mbi,mi->am", c, strain, u[part], optimize=True)
+                tensor = np.stack([xx, xy, zx, xy, yy, yz, zx, yz, zz], axis=1).reshape(-1, 3, 3)
+                local = axes[part] @ tensor @ axes[part].transpose(0, 2, 1)
+                at_gauss[part, g, layer] = np.stack(
+                    [local[:, 0, 0], local[:, 1, 1], local[:, 0, 1], local[:, 0, 2], local[:, 1, 2]], axis=1
+                )
+    return np.einsum("ng,mgla->mnla", FROM_GAUSS_TO_CORNERS, at_gauss)
