@@ -11,7 +11,7 @@ from .report import DecoderResult, ScanReport, Sight
 if TYPE_CHECKING:
     from .camera import Camera, Target, View
     from .filed import part
-    from .flat import FlatPrint
+    from .flat import FlatPrint, printed
     from .panel import Panel
     from .placing import Part, load_mesh, place
     from .proof import FULL, QUICK, Plan, certify, reads
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _MODULES = {
     "camera": ("Camera", "Target", "View"),
     "filed": ("part",),
-    "flat": ("FlatPrint",),
+    "flat": ("FlatPrint", "printed"),
     "panel": ("Panel",),
     "placing": ("Part", "load_mesh", "place"),
     "proof": ("FULL", "QUICK", "Plan", "certify", "reads"),
@@ -36,7 +36,7 @@ _LAZY = {name: module for module, names in _MODULES.items() for name in names}
 __all__ = [
     "BLACK", "FULL", "QUICK", "WHITE", "Camera", "DecoderResult", "FlatPrint", "Goal", "Legibility", "Light",
     "Look", "Optics", "Panel", "Part", "Plan", "ScanReport", "Scene", "Sight", "Target", "Trial", "View",
-    "certify", "improve", "legibility", "load_mesh", "part", "place", "reads",
+    "certify", "improve", "legibility", "load_mesh", "part", "place", "printed", "reads",
 ]  # fmt: skip
 
 

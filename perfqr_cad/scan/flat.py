@@ -12,18 +12,16 @@ from perfqr_cad.scan.camera import Camera, View, facing_up
 from perfqr_cad.scan.look import Look
 from perfqr_cad.scan.sections import Stack
 from perfqr_cad.scan.skylight import Brightness
-from perfqr_cad.symbol import Matrix
 
-MODULE_PX = 16  # of the printed picture; the camera sees fewer
+LEAST_PX = 720  # edge of the printed picture: finer than the camera sees it
 
 
 @dataclass(frozen=True)
 class FlatPrint:
-    """Ink on paper: light modules and quiet zone have the material's reflectance, dark ones the ground's."""
+    """Ink on paper: `light` (k, k) bool, quiet zone included, has the material's reflectance, the rest the ground's."""
 
-    matrix: Matrix
+    light: NDArray[np.bool_]
     edge_mm: float
-    quiet_modules: int = 4
 
     def prepare(self, look: Look) -> None:
         """Nothing has to be worked out before a flat print is filmed."""
@@ -37,9 +35,14 @@ class FlatPrint:
         return photo.develop(shot, look, front=front, seed=seed)
 
     def _stack(self) -> Stack:
-        light = np.pad(~self.matrix.dark, self.quiet_modules, constant_values=True)
-        picture = np.kron(light, np.ones((MODULE_PX, MODULE_PX), bool)) * np.uint8(255)
+        repeat = -(-LEAST_PX // len(self.light))
+        picture = np.kron(self.light, np.ones((repeat, repeat), bool)) * np.uint8(255)
         return Stack((picture,), np.zeros(1), self.edge_mm)
+
+
+def printed(dark: NDArray[np.bool_], edge_mm: float, *, quiet_modules: int = 4, scale: int = 1) -> FlatPrint:
+    """The print of a symbol, or of its art with `scale` samples a module; `edge_mm` includes the quiet zone."""
+    return FlatPrint(np.pad(~dark, quiet_modules * scale, constant_values=True), edge_mm)
 
 
 def _evenly_lit(front: float) -> Brightness:

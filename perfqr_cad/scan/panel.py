@@ -6,9 +6,11 @@ A worker that crashes or hangs is a miss for the decoder that held it; it is rep
 from __future__ import annotations
 
 import atexit
+import contextlib
 import json
+import os
 import queue
-import selectors
+import signal
 import subprocess
 import sys
 import threading
@@ -38,27 +40,21 @@ class Worker:
 
     def ask(self, decoder: str, image: Gray) -> tuple[bytes, ...]:
         """Payloads that one decoder reads in one image."""
-        process = self._running()
-        assert process.stdin is not None
         header = {"decoder": decoder, "height": image.shape[0], "width": image.shape[1]}
-        try:
-            process.stdin.write(json.dumps(header).encode() + b"\n" + image.tobytes())
-            process.stdin.flush()
-        except BrokenPipeError:
-            self.stop()
-            return ()
-        answer = _line_within(process, self._time_limit_s)
-        if answer is None:
+        request = json.dumps(header).encode() + b"\n" + image.tobytes()
+        answer = _exchange(self._running(), request, self._time_limit_s)
+        if not answer:
             self.stop()
             return ()
         return tuple(bytes.fromhex(payload) for payload in json.loads(answer))
 
     def _running(self) -> subprocess.Popen[bytes]:
         if self._process is None:
+            pipe = subprocess.PIPE
             self._process = subprocess.Popen(
-                self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+                self._command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True
             )
-            if _line_within(self._process, START_LIMIT_S) != b"ready\n":
+            if _exchange(self._process, b"", START_LIMIT_S) != b"ready\n":
                 self.stop()
                 raise AnalysisError(
                     f"the decoder process did not start within {START_LIMIT_S:g} s: "
@@ -70,25 +66,35 @@ class Worker:
         """End the process, whatever it is doing."""
         if self._process is None:
             return
-        self._process.kill()
+        _kill(self._process)
         self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
-                try:
+                with contextlib.suppress(BrokenPipeError):  # unsent bytes of a request that was cut short
                     pipe.close()
-                except BrokenPipeError:  # unsent bytes of the request that was cut short
-                    pass
         self._process = None
 
 
-def _line_within(process: subprocess.Popen[bytes], limit_s: float) -> bytes | None:
-    """The next line of output, or None when the process ends or the time is over."""
+def _exchange(process: subprocess.Popen[bytes], request: bytes, limit_s: float) -> bytes:
+    """Send a request and wait for a line: empty when the process ends, or is ended because the time is over."""
+    assert process.stdin is not None
     assert process.stdout is not None
-    with selectors.DefaultSelector() as selector:
-        selector.register(process.stdout, selectors.EVENT_READ)
-        if not selector.select(limit_s):
-            return None
-    return process.stdout.readline() or None
+    watchdog = threading.Timer(limit_s, _kill, [process])
+    watchdog.start()
+    try:
+        process.stdin.write(request)
+        process.stdin.flush()
+        return process.stdout.readline()
+    except BrokenPipeError:
+        return b""
+    finally:
+        watchdog.cancel()
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    """End a process and whatever it started (Node.js)."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
 
 
 def _gray(source: Source) -> Gray:

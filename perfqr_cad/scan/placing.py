@@ -12,7 +12,7 @@ from perfqr_cad.errors import KernelError
 from perfqr_cad.scan.camera import Target
 from perfqr_cad.surface import Placement, Triangles
 
-PLATE_LEVELS = 8  # faces, lip, recess and staple of a plate lie at fewer heights
+PLATE_LEVELS = 64  # faces, lip, recess and flares of a plate end at fewer heights; a curved mesh has more
 PLATE_SLENDERNESS = 0.25  # thickness over width: thicker than this, it is a block
 
 

@@ -15,7 +15,7 @@ from perfqr_cad.scan import advice
 from perfqr_cad.scan.camera import View
 from perfqr_cad.scan.colours import BACKGROUNDS, contrast, contrast_warning
 from perfqr_cad.scan.decoders import CORE, accepted
-from perfqr_cad.scan.flat import FlatPrint
+from perfqr_cad.scan.flat import FlatPrint, printed
 from perfqr_cad.scan.look import Look
 from perfqr_cad.scan.panel import Panel, shared
 from perfqr_cad.scan.placing import place
@@ -96,11 +96,11 @@ def certify(
     right = accepted(payload)
     views = plan.views()
     read = reads(scene, views, look, right, panel, frames=plan.frames, seed=seed)
-    printed = _flat_print(scene, pattern, look, plan)
+    on_paper = _flat_print(scene, pattern, look, plan)
     flat_read = None
-    if printed is not None:
+    if on_paper is not None:
         tell("film the flat print")
-        flat_read = reads(printed, views, look, right, panel, frames=plan.frames, seed=seed)
+        flat_read = reads(on_paper, views, look, right, panel, frames=plan.frames, seed=seed)
     colours = _backgrounds(scene, look, right, panel, plan, seed)
     results = {
         name: DecoderResult(
@@ -174,9 +174,9 @@ def _agreed(scene: Scene, look: Look, panel: Panel, plan: Plan) -> bytes:
 def _flat_print(scene: Scene, pattern: Pattern | None, look: Look, plan: Plan) -> FlatPrint | None:
     """The same symbol on paper, of the same size."""
     if pattern is not None:
-        return FlatPrint(pattern.symbol.matrix, pattern.size_mm, pattern.quiet_modules)
+        return printed(pattern.symbol.matrix.dark, pattern.size_mm, quiet_modules=pattern.quiet_modules)
     matrix = _matrix_seen(scene.photo(plan.views()[0], look))
-    return None if matrix is None else FlatPrint(matrix, scene.part.target.edge_mm)
+    return None if matrix is None else printed(matrix.dark, scene.part.target.edge_mm)
 
 
 def _matrix_seen(picture: NDArray[np.uint8]) -> Matrix | None:
