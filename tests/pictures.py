@@ -6,7 +6,7 @@ import contextlib
 import io
 import random
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -195,6 +195,36 @@ def coloured(seed: int) -> Sample:
     inks = np.where(dark[..., None], rng.uniform([0, 0, 90], [60, 70, 190]), rng.uniform([200, 120, 60], [255, 190, 160]))
     return Sample("dithered colour", np.clip(inks + 70 * noise, 0, 255).astype(np.uint8), content.encode())
 
+
+def corpus(seed: int) -> Iterator[Sample]:
+    """Twenty-three pictures of all kinds, artistic codes first."""
+    version = (2, 5, 7, 10, 15, 25)[seed % 6]
+    yield halftone(seed, (3, 6, 9, 12)[seed % 4])
+    yield picture_dots(seed)
+    yield picture_dots(seed + 500)
+    yield qart(seed)
+    yield qart_halftone(seed)
+    yield artistic(seed)
+    yield styled(seed)
+    yield dots(seed, (0.9, 0.75, 0.6, 0.5)[seed % 4])
+    yield coloured(seed)
+    yield inverted(styled(seed + 30))
+    yield mirrored(styled(seed + 31))
+    yield scratched(styled(seed + 20), seed, (0.05, 0.1, 0.15)[seed % 3])
+    yield rescaled(halftone(seed + 9, 12), (0.4, 0.6, 1.7)[seed % 3])
+    yield degraded(halftone(seed + 90, 9), seed, (1.0, 2.0)[seed % 2], 20)
+    yield tilted(styled(seed + 50), seed, (30, 45, 55, 60)[seed % 4])
+    yield tilted(halftone(seed + 50, 12), seed, (20, 35, 45)[seed % 3])
+    yield tilted(dots(seed), seed, (20, 40)[seed % 2])
+    yield degraded(tilted(picture_dots(seed + 60), seed, 30), seed, 1.0, 10)
+    yield tilted(plain(seed, (10, 20, 30, 40)[seed % 4], scale=6), seed, (20, 35, 45)[seed % 3], 1200)
+    yield curved(plain(seed, version), (0.4, 0.5, 0.8)[seed % 3])
+    yield degraded(plain(seed, 3, scale=5), seed, (2.0, 3.0, 3.5)[seed % 3], 15)
+    yield inverted(plain(seed, 20))
+    yield rescaled(plain(seed, 6, border=0, scale=6), (0.25, 0.35, 0.5)[seed % 3])
+
+
+ARTISTIC_OF_CORPUS = 13  # the first ones
 
 # What happens to pictures ---------------------------------------------------------------------------
 

@@ -24,8 +24,11 @@ VIEW_SCALE = 12  # samples along a module: a multiple of 2, 3, 4 and 6
 FREEFORM_SCALE = 12
 HALFTONE_SCALES = (2, 3, 4, 5, 6)
 BLURS = (0.03, 0.06, 0.1, 0.16, 0.24, 0.34)  # σ of the picture's edges in modules, to choose from
+BLUR_MODULES = 14  # side of the corner that the blur is measured in: the first finder and the timing lines
 BLUR_SHARES = (1.0, 0.7, 1.4)  # the art's edges may be softer or harder than those of the function patterns
 PLAIN_RESIDUAL = 0.06  # of the art's energy, in mean neighbourhoods; plain photographs reach 0.05, styled codes 0.08
+BLURRED_MODULES = 0.2  # a picture blurred by more does not show whether corners are round:
+BLURRED_RESIDUAL = 0.13  # squares are assumed
 HALFTONE_RESIDUAL = 0.25  # of the art's energy: above it no k × k grid explains the picture
 HALFTONE_GAIN = 0.6  # a true k leaves at most this part of the residual of every smaller grid
 LEAST_SEEN = 4  # places that a 2 × 2 colouring must have to be averaged
@@ -43,7 +46,8 @@ def art_of(
     shade = _shade(image, grid, light_level, dark_level)
     known, _ = known_modules(grid.size, "all")
     blur = _blur_of(shade, dark, known)
-    if min(_plain_residual(shade, dark, known, blur * share) for share in BLUR_SHARES) <= PLAIN_RESIDUAL:
+    limit = BLURRED_RESIDUAL if blur >= BLURRED_MODULES else PLAIN_RESIDUAL
+    if min(_plain_residual(shade, dark, known, blur * share) for share in BLUR_SHARES) <= limit:
         return Art("plain", 1, dark)
     scale = _halftone_scale(shade, known, blur)
     if scale is not None:
@@ -87,8 +91,10 @@ def _squares(dark: NDArray[np.bool_], scale: int, blur: float) -> Floats32:
 
 def _blur_of(shade: Floats32, dark: NDArray[np.bool_], known: NDArray[np.bool_]) -> float:
     """The blur that makes the function patterns look as they do in the picture."""
-    area = _enlarged(known)
-    return min(BLURS, key=lambda blur: float(np.mean((shade - _squares(dark, 1, blur))[area] ** 2)))
+    part = slice(BLUR_MODULES), slice(BLUR_MODULES)
+    side = BLUR_MODULES * VIEW_SCALE
+    seen, dark, area = shade[:side, :side], dark[part], _enlarged(known[part])
+    return min(BLURS, key=lambda blur: float(np.mean((seen - _squares(dark, 1, blur))[area] ** 2)))
 
 
 def _enlarged(modules: NDArray[np.bool_]) -> NDArray[np.bool_]:
