@@ -22,6 +22,7 @@ from pyzbar import pyzbar
 from perfqr_cad.cli import main
 
 PX_PER_MM = 10
+QUIET = 4  # modules
 TEXT = "https://example.com/p/1234567"
 
 
@@ -93,9 +94,23 @@ def test_decoders_read_the_exact_payload(made: Made) -> None:
     assert list(texts) == [payload]
 
 
-def test_a_mirrored_part_would_be_noticed(made: Made) -> None:
-    gray = np.ascontiguousarray(np.fliplr(seen_from_above(made.folder / "part.stl")))
-    assert not pyzbar.decode(gray)
+def finder_corners(gray: np.ndarray, modules: int) -> list[bool]:
+    """Whether the three dark rings 7 modules wide stand top left, top right, bottom left, bottom right."""
+    pitch = gray.shape[1] / (modules + 2 * QUIET)
+    near, far = 0, modules - 7
+    found = []
+    for row, column in ((near, near), (near, far), (far, near), (far, far)):
+        at = [int((QUIET + row + 3.5) * pitch), int((QUIET + column + 3.5) * pitch)]
+        ring = [gray[at[0] + dy, at[1] + dx] for dy, dx in ((int(2 * pitch), 0), (0, int(2 * pitch)))]
+        found.append(bool(gray[at[0], at[1]] == 0 and all(value == 255 for value in ring)))
+    return found
+
+
+def test_the_part_is_not_mirrored(made: Made) -> None:
+    gray = seen_from_above(made.folder / "part.stl")
+    modules = made.certificate["symbol"]["modules"]
+    assert finder_corners(gray, modules) == [True, True, True, False]
+    assert finder_corners(np.fliplr(gray), modules) == [True, True, False, True]
 
 
 def test_gmsh_opens_the_step_as_one_volume(made: Made) -> None:
