@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from perfqr_cad import export
 from perfqr_cad.export import stl
 from perfqr_cad.surface import Triangles
 
@@ -76,11 +77,13 @@ def _split(face, a, b, new):
 
 
 @pytest.mark.skipif(not shutil.which("prusa-slicer"), reason="prusa-slicer is not installed")
-def test_prusa_slicer_slices_without_a_warning(code, tmp_path):
-    stl.write(code, tmp_path / "part.stl")
-    command = ["prusa-slicer", "--export-gcode", "--output", "part.gcode", "part.stl"]
+@pytest.mark.parametrize("name", ["part.stl", "part.3mf"])
+def test_prusa_slicer_slices_without_a_warning(code, tmp_path, name):
+    export.write(code.with_backing() if name == "part.3mf" else code, tmp_path / name)
+    command = ["prusa-slicer", "--export-gcode", "--output", "part.gcode", name]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "warning" not in (done.stdout + done.stderr).lower()
-    assert "error" not in (done.stdout + done.stderr).lower()
+    said = (done.stdout + done.stderr).lower()
+    assert done.returncode == 0, said
+    assert "warning" not in said
+    assert "error" not in said
     assert (tmp_path / "part.gcode").stat().st_size > 10_000
