@@ -62,6 +62,7 @@ def text(seed: int, length: int = 30) -> str:
 def plain(seed: int, version: int | None = None, level: str = "M", scale: int = 4, border: int = 4) -> Sample:
     """Black squares on white by segno."""
     content = text(seed, 6 if version is None or version < 6 else 8 * version)
+    content = content[-10:] if version == 1 else content
     code = segno.make(content, version=version, error=level, micro=False, boost_error=False)
     squares = np.kron(np.pad(np.array(code.matrix), border), np.ones((scale, scale)))
     return Sample(f"plain v{code.designator}", np.where(squares > 0, 0, 255).astype(np.uint8), content.encode())
