@@ -17,6 +17,7 @@ both their ends, and widen monotonically between.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -75,6 +76,7 @@ class _Shell:
     """What one walk over the faces collects; edges and vertices by their index."""
 
     points: Array  # vertices, mm
+    rows: list[tuple[float, float, float]]  # the same
     ends: dict[int, tuple[int, int]] = field(default_factory=dict[int, tuple[int, int]])
     uses: list[tuple[int, bool]] = field(default_factory=list[tuple[int, bool]])  # edge, ahead
     corners: list[tuple[int, int]] = field(default_factory=list[tuple[int, int]])  # edge ends that meet in a face
@@ -86,7 +88,7 @@ class _Shell:
 def _survey(shape: TopoDS_Shape) -> _Shell:
     vertices, edges = occ.distinct(shape, VERTEX), occ.distinct(shape, EDGE)
     points = [BRep_Tool.Pnt_s(TopoDS.Vertex_s(vertices.FindKey(i))).Coord() for i in range(1, vertices.Extent() + 1)]
-    shell = _Shell(np.array(points).reshape(-1, 3))
+    shell = _Shell(np.array(points).reshape(-1, 3), points)
     straight: dict[int, bool] = {}
     for i in range(1, edges.Extent() + 1):
         edge = TopoDS.Edge_s(edges.FindKey(i).Oriented(FORWARD))
@@ -114,7 +116,7 @@ def _meets_vertices(shell: _Shell, edge: TopoDS_Edge, index: int) -> bool:
     if not parameters[0] < parameters[1]:
         shell.problems.append("an edge has an empty range")
     for vertex, parameter in zip(shell.ends[index], parameters, strict=True):
-        missed = _apart_mm(curve.Value(parameter).Coord(), shell.points[vertex])
+        missed = curve.Value(parameter).Distance(gp_Pnt(*shell.rows[vertex]))
         if missed > SLACK * BRep_Tool.Tolerance_s(edge):
             shell.problems.append(f"an edge misses its vertex by {missed:.2g} mm at {_at(shell.points[vertex])}")
     return isinstance(curve, Geom_Line)
@@ -130,57 +132,79 @@ def _walk(shell: _Shell, face: TopoDS_Face, edges: occ.TopTools_IndexedMapOfShap
     for wire in children(forward):
         if wire.ShapeType() != WIRE:
             continue
-        chain = in_order(TopoDS.Wire_s(wire), forward)
-        steps = [(edges.FindIndex(e), e.Orientation() != REVERSED, e) for e in chain]
-        steps = [step for step in steps if step[0] in shell.ends]
-        outline: list[Array] = []
-        for (i, ahead, edge), (j, next_ahead, _) in zip(steps, steps[1:] + steps[:1], strict=True):
-            shell.uses.append((i, ahead != flipped))
-            shell.corners.append((2 * i + ahead, 2 * j + (not next_ahead)))
-            if shell.ends[i][ahead] != shell.ends[j][not next_ahead]:
-                shell.problems.append(f"a wire is broken at {_at(shell.points[shell.ends[i][ahead]])}")
-            outline.append(_image(shell, edge, i, ahead, forward, plane, straight[i]))
-        if outline:
-            outlines.append(np.vstack(outline))
+        steps = [_Step(edges.FindIndex(e), e.Orientation() != REVERSED, e) for e in in_order(wire, forward)]
+        steps = [step for step in steps if step.index in shell.ends]
+        for step, following in zip(steps, steps[1:] + steps[:1], strict=True):
+            shell.uses.append((step.index, step.ahead != flipped))
+            shell.corners.append((2 * step.index + step.ahead, 2 * following.index + (not following.ahead)))
+            here = shell.ends[step.index][step.ahead]
+            if here != shell.ends[following.index][not following.ahead]:
+                shell.problems.append(f"a wire is broken at {_at(shell.points[here])}")
+        if plane is not None:
+            outlines.append(_plane_outline(shell, steps, plane, straight, forward))
+        else:
+            outlines.append(_curved_outline(shell, steps, forward))
     shell.polygons.append(outlines)
 
 
-def _image(
-    shell: _Shell,
-    edge: TopoDS_Edge,
-    index: int,
-    ahead: bool,
-    face: TopoDS_Face,
-    plane: Geom_Plane | None,
-    straight: bool,
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """An edge of a wire, by its index, and whether the wire runs along it or against it."""
+
+    index: int
+    ahead: bool
+    edge: TopoDS_Edge
+
+
+def _plane_outline(
+    shell: _Shell, steps: list[_Step], plane: Geom_Plane, straight: dict[int, bool], face: TopoDS_Face
 ) -> Array:
-    """The edge in the face's parameters, in the direction of travel, without its end; notes where it is off."""
-    tolerance = SLACK * max(BRep_Tool.Tolerance_s(edge), BRep_Tool.Tolerance_s(face))
-    if plane is not None:
-        if straight:
-            samples = shell.points[list(shell.ends[index])]
+    """The wire in the plane's coordinates; notes where it leaves the plane."""
+    samples: list[tuple[float, ...]] = []
+    slack = BRep_Tool.Tolerance_s(face)
+    for step in steps:
+        if straight[step.index]:
+            samples.append(shell.rows[shell.ends[step.index][not step.ahead]])
         else:
-            curve = BRep_Tool.Curve_s(edge, 0.0, 0.0)
-            samples = np.array([curve.Value(t).Coord() for t in np.linspace(*BRep_Tool.Range_s(edge), SAMPLES + 1)])
-        frame = plane.Position()
-        axes = np.array([d.Coord() for d in (frame.XDirection(), frame.YDirection(), frame.Direction())])
-        local = (samples - frame.Location().Coord()) @ axes.T
-        off = float(np.abs(local[:, 2]).max())
-        image = local[:, :2]
-    else:
-        drawn = BRep_Tool.CurveOnSurface_s(edge, face, 0.0, 0.0)
-        if drawn is None:
+            curve = BRep_Tool.Curve_s(step.edge, 0.0, 0.0)
+            samples += [curve.Value(t).Coord() for t in _parameters(step)]
+            slack = max(slack, BRep_Tool.Tolerance_s(step.edge))
+    frame = plane.Position()
+    axes = np.array([d.Coord() for d in (frame.XDirection(), frame.YDirection(), frame.Direction())])
+    local = (np.array(samples).reshape(-1, 3) - frame.Location().Coord()) @ axes.T
+    off = float(np.abs(local[:, 2]).max(initial=0.0))
+    if off > SLACK * slack:
+        shell.problems.append(f"an edge at {_at(samples[0])} is {off:.2g} mm off its plane (limit {slack:.2g} mm)")
+    return local[:, :2]
+
+
+def _curved_outline(shell: _Shell, steps: list[_Step], face: TopoDS_Face) -> Array:
+    """The wire in the surface's parameters; notes where curve and image are apart."""
+    outline: list[tuple[float, float]] = []
+    surface, slack = BRep_Tool.Surface_s(face), BRep_Tool.Tolerance_s(face)
+    for step in steps:
+        image = BRep_Tool.CurveOnSurface_s(step.edge, face, 0.0, 0.0)
+        if image is None:
             shell.problems.append("an edge has no image on its curved face")
-            return np.empty((0, 2))
-        curve, surface = BRep_Tool.Curve_s(edge, 0.0, 0.0), BRep_Tool.Surface_s(face)
-        parameters = np.linspace(*BRep_Tool.Range_s(edge), SAMPLES + 1)
-        image = np.array([drawn.Value(t).Coord() for t in parameters])
-        laid = [surface.Value(u, v).Coord() for u, v in image.tolist()]
-        samples = np.array([curve.Value(t).Coord() for t in parameters])
-        off = float(np.linalg.norm(samples - laid, axis=1).max())
-    if off > tolerance:
-        shell.problems.append(f"an edge at {_at(samples[0])} is {off:.2g} mm off its face (limit {tolerance:.2g} mm)")
-    return (image if ahead else image[::-1])[:-1]
+            continue
+        curve = BRep_Tool.Curve_s(step.edge, 0.0, 0.0)
+        limit = SLACK * max(slack, BRep_Tool.Tolerance_s(step.edge))
+        for t in _parameters(step):
+            drawn = image.Value(t)
+            outline.append(drawn.Coord())
+            off = surface.Value(drawn.X(), drawn.Y()).Distance(curve.Value(t))
+            if off > limit:
+                at = _at(curve.Value(t).Coord())
+                shell.problems.append(f"an edge at {at} is {off:.2g} mm off its face (limit {limit:.2g} mm)")
+                break
+    return np.array(outline).reshape(-1, 2)
+
+
+def _parameters(step: _Step) -> list[float]:
+    """Samples of an edge in the direction of travel, without the last, which the next edge begins with."""
+    first, last = BRep_Tool.Range_s(step.edge)
+    start, end = (first, last) if step.ahead else (last, first)
+    return [start + (end - start) * k / SAMPLES for k in range(SAMPLES)]
 
 
 def _closed(shell: _Shell) -> list[str]:
@@ -251,9 +275,5 @@ def _area(polygon: Array) -> float:
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
-def _apart_mm(a: tuple[float, float, float], b: Array) -> float:
-    return gp_Pnt(*a).Distance(gp_Pnt(*b.tolist()))
-
-
-def _at(p: Array) -> str:
+def _at(p: Iterable[float]) -> str:
     return "({:.3f}, {:.3f}, {:.3f})".format(*p)

@@ -10,7 +10,7 @@ from OCP.BRep import BRep_Tool
 from OCP.BRepClass3d import BRepClass3d
 from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
 from OCP.TopExp import TopExp
-from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Iterator, TopoDS_Shape, TopoDS_Solid, TopoDS_Wire
+from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Iterator, TopoDS_Shape, TopoDS_Solid
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from .occ import EDGE, FORWARD, REVERSED, VERTEX, distinct
@@ -69,7 +69,7 @@ class Topology:
         wires = children(ahead)
         outer = wires[0] if len(wires) == 1 else BRepTools.OuterWire_s(ahead)
         for wire in wires:
-            loop = self._loop(in_order(TopoDS.Wire_s(wire), ahead), edges, curves)
+            loop = self._loop(in_order(wire, ahead), edges, curves)
             kind = "FACE_OUTER_BOUND" if wire.IsSame(outer) else "FACE_BOUND"
             bounds.append(self._add(f"{kind}('',#{loop},{flag(forward)})"))
         return self._add(f"ADVANCED_FACE('',{refs(bounds)},#{surface},{flag(forward != mirrored)})")
@@ -84,7 +84,7 @@ class Topology:
         return self._add(f"EDGE_LOOP('',{refs(oriented)})")
 
 
-def in_order(wire: TopoDS_Wire, face: TopoDS_Face) -> list[TopoDS_Edge]:
+def in_order(wire: TopoDS_Shape, face: TopoDS_Face) -> list[TopoDS_Edge]:
     """The edges of a wire head to tail; as stored, where they are so, which spares the kernel's slower walk."""
     edges = [TopoDS.Edge_s(e) for e in children(wire)]
     if wire.Orientation() == REVERSED:
@@ -92,7 +92,7 @@ def in_order(wire: TopoDS_Wire, face: TopoDS_Face) -> list[TopoDS_Edge]:
     ends = [TopExp.LastVertex_s(e, True) for e in edges]
     if all(TopExp.FirstVertex_s(e, True).IsSame(end) for e, end in zip(edges[1:] + edges[:1], ends, strict=True)):
         return edges
-    walk = BRepTools_WireExplorer(wire, face)
+    walk = BRepTools_WireExplorer(TopoDS.Wire_s(wire), face)
     walked: list[TopoDS_Edge] = []
     while walk.More():
         walked.append(walk.Current())
