@@ -178,6 +178,17 @@ def run(request: Request, target: Target | None = None) -> Design:
     )
 
 
+def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
+    """Film a written part (.step, .stl, .3mf, or a design .json) with every decoder on this machine.
+
+    Without `text` the payload is what the certificate says, or what the decoders agree on.
+    """
+    from perfqr_cad import scan
+    from perfqr_cad.solid import mesh_step
+
+    return scan.part(path, text, mesh_step=mesh_step)
+
+
 def _source(request: Request) -> tuple[Capture | None, Symbol]:
     """The symbol of a text, or of the code in a picture with its codewords corrected."""
     if request.image is not None:

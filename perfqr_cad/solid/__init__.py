@@ -13,11 +13,18 @@ from .walls import Walls
 
 if TYPE_CHECKING:
     from .assemble import build, build_region
+    from .imported.meshing import mesh_step
     from .step import read_step, write_step
 
-_HOMES = {"build": "assemble", "build_region": "assemble", "read_step": "step", "write_step": "step"}
+_HOMES = {
+    "build": "assemble",
+    "build_region": "assemble",
+    "mesh_step": "imported.meshing",
+    "read_step": "step",
+    "write_step": "step",
+}
 
-__all__ = ["Solid", "Walls", "build", "build_region", "read_step", "write_step"]
+__all__ = ["Solid", "Walls", "build", "build_region", "mesh_step", "read_step", "write_step"]
 
 
 def __getattr__(name: str) -> Any:
