@@ -21,7 +21,7 @@ def test_one_polygon_before_and_after_erosion(version):
     eroded = pattern.polygon.buffer(-0.99 * pattern.spec.web_mm / 2, quad_segs=16)
     assert eroded.geom_type == "Polygon"
     assert pattern.readability.errors == (0,) * len(pattern.readability.errors)
-    assert pattern.region.area == pytest.approx(pattern.polygon.area)
+    assert pattern.region.area == pytest.approx(pattern.polygon.area, rel=1e-3)  # chords of the fillets
 
 
 def test_a_size_too_small_names_the_least_that_works():
@@ -35,7 +35,7 @@ def test_a_size_too_small_names_the_least_that_works():
 
 
 def test_one_more_bridge_adds_its_area_and_keeps_the_old_pattern():
-    pattern = build(encode(TEXT, version=2, level="L"), PatternSpec())
+    pattern = build(encode(TEXT, version=2, level="L"), PatternSpec(fillet_mm=0))
     m = pattern.module_mm
     half = pattern.symbol.size / 2 * m
     core = Bridge((-half + 2 * m, half - 3.5 * m), (-half + 5 * m, half - 3.5 * m), 0.9, "structural", 0.0)
