@@ -22,6 +22,7 @@ MESH = SHARED.parent / "meshes" / "bunny.off"
 WALL_MM = 2.0
 EXTENT_PER_CODE = 4.0  # the Bunny's longest edge over the code's: as large as its flank takes
 TILTS_DEG = (0.0, 10.0, 20.0, 30.0)
+VIEWS = ((0.0, 0.7), (25.0, 0.3))  # tilt and fill of the pictures
 
 
 def run(out: Path, views: int = 8) -> Table:
@@ -35,13 +36,16 @@ def run(out: Path, views: int = 8) -> Table:
         for label, subject in (("bunny", part), ("print", paper)):
             rates = rate(subject, payload, seen, Look(), names=names)
             rows.append((tilt, label, *(rates[name] for name in (*names, "any"))))
-    save(out / "bunny.png", [part.photo_colour(View(t, 40.0, size_px=500, fill=f)) for t, f in ((0, 0.7), (25, 0.3))])
+    save(
+        out / "bunny.png",
+        [part.photo_colour(View(t, 40.0, size_px=500, fill=f)) for t, f in VIEWS],
+    )
     made_of = "Stanford Bunny" if MESH.is_file() else "egg in place of the Bunny"
     return Table(
         "CADGraphics on the Bunny: share of scans read",
         ("tilt °", "what", *names, "any"),
         tuple(rows),
-        (f"{made_of}, hollowed to {WALL_MM:g} mm; the paper: four of five telephones, from the top view only",),
+        (f"{made_of}, wall {WALL_MM:g} mm; the paper: four of five telephones, from the top only",),
     )
 
 
@@ -80,7 +84,10 @@ def _egg(extent_mm: float, rings: int = 60, around: int = 120) -> Triangles:
     faces = [np.column_stack([np.zeros(around, int), 1 + step, 1 + after])]
     for k in range(rings - 2):
         a, b = 1 + k * around, 1 + (k + 1) * around
-        faces += [np.column_stack([a + step, b + step, a + after]), np.column_stack([a + after, b + step, b + after])]
+        faces += [
+            np.column_stack([a + step, b + step, a + after]),
+            np.column_stack([a + after, b + step, b + after]),
+        ]
     end = 1 + (rings - 2) * around
     faces.append(np.column_stack([np.full(around, last), end + after, end + step]))
     return Triangles(vertices, np.vstack(faces))

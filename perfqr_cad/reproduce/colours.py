@@ -27,7 +27,9 @@ def run(out: Path, views: int = 20) -> Table:
         look = replace(Look(), ground=BACKGROUNDS[ground])
         rates = [rate(e.part, e.payload, handheld(3.0, views, seed=k), look) for k, e in enumerate(shown)]
         mean = {name: 100 * float(np.mean([r[name] for r in rates])) for name in (*CORE, "any")}
-        rows.append((ground, contrast(WHITE, look.ground), paper, mean["any"], *(mean[name] for name in CORE)))
+        rows.append(
+            (ground, contrast(WHITE, look.ground), paper, mean["any"], *(mean[name] for name in CORE))
+        )
     part = shown[-1].part
     save(
         out / "colours.png",
@@ -38,7 +40,7 @@ def run(out: Path, views: int = 20) -> Table:
         ("ground", "contrast", "paper %", "any engine %", *(f"{name} %" for name in CORE)),
         tuple(rows),
         (
-            f"{views} scans of each of {len(shown)} codes, within some degrees of straight above, one frame a scan",
+            f"{views} scans of each of {len(shown)} codes, near straight above, one frame a scan",
             f"below a contrast of {LEAST_CONTRAST:g} a part is designed with a warning",
         ),
     )

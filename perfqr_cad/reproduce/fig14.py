@@ -40,8 +40,8 @@ def run(out: Path, views: int = 20) -> Table:
         columns,
         rows,
         (
-            f"{views} scans a point from random sides, one frame each; part "
-            f"{shown.pattern.size_mm:.4g} mm, module {shown.pattern.module_mm:.3g} mm, 2 mm thick, straight walls",
+            f"{views} scans a point from random sides, one frame each; "
+            f"part {shown.pattern.size_mm:.4g} mm, module {shown.pattern.module_mm:.3g} mm, 2 mm, upright walls",
             "the paper: part good to 20°, difficult beyond 30°; print good to 30°, none beyond 60°",
         ),
     )
@@ -58,7 +58,9 @@ def _plot(path: Path, part: list[dict[str, float]], paper: list[dict[str, float]
         for name in CORE:
             axes.plot(TILTS_DEG, [100 * c[name] for c in curves], color=colour, alpha=0.3, linewidth=1)
         mean = [100 * sum(c[name] for name in CORE) / len(CORE) for c in curves]
-        axes.plot(TILTS_DEG, mean, color=colour, linewidth=2.5, marker="o", label=f"{label}, mean of {len(CORE)}")
+        axes.plot(
+            TILTS_DEG, mean, color=colour, linewidth=2.5, marker="o", label=f"{label}, mean of {len(CORE)}"
+        )
     for mark in PAPER_MARKS_DEG:
         axes.axvline(mark, color="tab:red", linestyle=":", linewidth=1)
         axes.annotate(f"paper: {mark}°", (mark, 3), rotation=90, color="tab:red", fontsize=8, ha="right")

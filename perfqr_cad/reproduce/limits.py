@@ -17,11 +17,12 @@ from perfqr_cad.table import Table
 
 SIDE_DEG = 25.0  # azimuth and a slight tilt, so that nothing is square to the picture
 TILT_DEG = 5.0
+BLURS_PX = (1, 4, 8, 12, 16, 20, 24, 30)
 
 
 @dataclass(frozen=True)
 class Occluded:
-    """A part with a finger over its lower right corner: a disc of skin colour, its diameter a part of the code's edge."""
+    """A part with a finger over its lower right corner: a gray disc, its diameter a part of the code's edge."""
 
     scene: Scene
     diameter: float
@@ -71,7 +72,7 @@ def run(out: Path, views: int = 3) -> Table:
         "Limits: the worst value up to which every scan is read",
         ("fault", "unit", "by all", "by any", *CORE),
         tuple(rows),
-        (f"CADGraphics stand-in, module {shown.pattern.module_mm:.3g} mm, {TILT_DEG:g}° tilt from {views} sides",),
+        (f"module {shown.pattern.module_mm:.3g} mm, {TILT_DEG:g}° tilt from {views} sides, CADGraphics",),
     )
 
 
@@ -88,7 +89,7 @@ def _worst(values: Sequence[float], rates: Sequence[float]) -> float | None:
 def _thumbnail(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     import cv2
 
-    return cv2.resize(picture, (220, 220), interpolation=cv2.INTER_AREA)
+    return np.asarray(cv2.resize(picture, (220, 220), interpolation=cv2.INTER_AREA), np.uint8)
 
 
 _VIEW = View(TILT_DEG, SIDE_DEG, size_px=800)
@@ -122,9 +123,9 @@ def _busy(exhibit: Exhibit, depth: float) -> tuple[Scene, View, Look]:
 _FAULTS = (
     Fault("resolution", "px a module", (12, 8, 6, 5, 4, 3.5, 3, 2.5, 2), _module_px),
     Fault("distance", "times", (1, 2, 3, 4, 5, 6, 8), _far),
-    Fault("defocus", "px", (1, 4, 8, 12, 16, 20, 24, 30), lambda e, v: _camera(e, defocus_px=v)),
-    Fault("motion", "px", (1, 4, 8, 12, 16, 20, 24, 30), lambda e, v: _camera(e, motion_px=v, motion_deg=20.0)),
-    Fault("noise", "of full scale", (0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3), lambda e, v: _camera(e, noise=v)),
+    Fault("defocus", "px", BLURS_PX, lambda e, v: _camera(e, defocus_px=v)),
+    Fault("motion", "px", BLURS_PX, lambda e, v: _camera(e, motion_px=v, motion_deg=20.0)),
+    Fault("noise", "of full scale", (0.01, 0.03, 0.06, 0.1, 0.2, 0.3), lambda e, v: _camera(e, noise=v)),
     Fault("side light at 20°", "times the sky", (1, 2, 4, 8), _side_light),
     Fault("busy ground", "depth", (0.0, 0.25, 0.5, 0.75, 1.0), _busy),
     Fault("occluded corner", "of the edge", (0.0, 0.08, 0.12, 0.16, 0.2, 0.25, 0.3),

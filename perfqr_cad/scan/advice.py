@@ -14,12 +14,12 @@ def sentences(report: ScanReport) -> tuple[str, ...]:
     walls = [r.name for r in report.decoders.values() if r.frontal and _short_of_flat(r)]
     if walls:
         lines.append(
-            "walls hide the holes from the side: a 0.4 mm lip with 8 to 15° of draft behind it, or a thinner plate, "
+            "walls hide holes from the side: a 0.4 mm lip and 8 to 15° of draft behind it, or a thinner plate, "
             "brings the tilt limit towards the flat print's"
         )
     if "zxing-cpp" in walls:
         lines.append(
-            "zxing-cpp follows the dark rings of the finders: make the bars across them narrower or recess them "
+            "zxing-cpp follows the dark rings of the finders: make the bars across them narrower or set them "
             "deeper, until a bar gets less than a third of the light on the front"
         )
     return tuple(lines)

@@ -1,4 +1,4 @@
-"""A pinhole camera that looks at a code: where it stands, and where points and planes appear in its picture."""
+"""A pinhole camera that looks at a code: where it stands, and where points and planes appear to it."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ class View:
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.tilt_deg < 90.0:
-            raise AnalysisError(f"tilt {self.tilt_deg:g}° is outside 0° to 90°: choose a view in front of the code")
-        if not (0.0 < self.fill and 0.5 < self.distance and 16 <= self.size_px <= 8192):
+            raise AnalysisError(f"tilt {self.tilt_deg:g}° is outside 0° to 90°: film the code from its front")
+        if not (self.fill > 0.0 and self.distance > 0.5 and 16 <= self.size_px <= 8192):
             raise AnalysisError(
-                f"view with fill {self.fill:g}, distance {self.distance:g}, {self.size_px} px cannot be filmed: "
-                "fill > 0, distance > 0.5 and 16 to 8192 px"
+                f"no picture with fill {self.fill:g}, distance {self.distance:g}, {self.size_px} px: "
+                "choose fill > 0, distance > 0.5 and 16 to 8192 px"
             )
 
 
@@ -80,15 +80,13 @@ class Camera:
         """World to camera (3, 3): rows are the picture's right, down and forward."""
         forward = -self._outward
         up = self.target.axes[1]
-        if abs(forward @ up) > 0.99:  # looking along the code's y axis: keep its x axis level instead
-            right = self.target.axes[0]
-        else:
-            right = np.cross(forward, up)
-        right = right / np.linalg.norm(right)
+        # Looking along the code's y axis, its x axis is kept level instead.
+        right = self.target.axes[0] if abs(forward @ up) > 0.99 else np.cross(forward, up)
+        right = np.asarray(right / np.linalg.norm(right), np.float64)
         down = np.cross(forward, right)
         roll = np.radians(self.view.roll_deg)
         turned = np.cos(roll) * right + np.sin(roll) * down
-        return np.stack([turned, np.cross(forward, turned), forward])
+        return np.stack([turned, np.cross(forward, turned), forward]).astype(np.float64)
 
     @property
     def focal_px(self) -> float:
@@ -117,4 +115,4 @@ class Camera:
         x, y = np.meshgrid(pixel / self.focal_px, pixel / self.focal_px)
         local = np.stack([x.ravel(), y.ravel(), np.ones(x.size)], axis=1)
         local /= np.linalg.norm(local, axis=1, keepdims=True)
-        return local @ self.rotation
+        return np.asarray(local @ self.rotation, np.float64)

@@ -48,7 +48,9 @@ def contrast_warning(value: float) -> tuple[str, ...]:
         return ()
     if value <= -LEAST_CONTRAST:
         return (
-            f"the ground is lighter than the material (contrast {value:.0%}): most decoders refuse a code with "
+            f"the ground is lighter than the material ({value:.0%}): most decoders refuse a code with "
             "light and dark exchanged, so use the inverted tone",
         )
-    return (f"contrast of material and ground is {value:.0%}, under {LEAST_CONTRAST:.0%}: choose a darker ground",)
+    return (
+        f"contrast of material and ground is {value:.0%}, under {LEAST_CONTRAST:.0%}: choose a darker ground",
+    )

@@ -5,6 +5,7 @@ Each engine is imported when it is first used. None of them is called in the use
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 from collections.abc import Callable
 from typing import Any
@@ -24,7 +25,7 @@ CORE = ("zxing-cpp", "zbar", "wechat", "opencv")
 def _zxing() -> Reader:
     import zxingcpp
 
-    qr = zxingcpp.BarcodeFormat.QRCode
+    qr: Any = zxingcpp.BarcodeFormat.QRCode
 
     def read(image: Gray) -> tuple[bytes, ...]:
         return tuple(bytes(found.bytes) for found in zxingcpp.read_barcodes(image, formats=qr))
@@ -143,9 +144,8 @@ def accepted(payload: str | bytes) -> frozenset[bytes]:
         text = raw.decode()
     except UnicodeDecodeError:
         return frozenset({raw, raw.decode("latin-1").encode()})
-    if isinstance(payload, str) and text.isascii() is False:
-        try:
-            return frozenset({raw, text.encode("latin-1")})
-        except UnicodeEncodeError:
-            pass
+    if isinstance(payload, bytes):
+        return frozenset({raw})
+    with contextlib.suppress(UnicodeEncodeError):  # a text may have been written in either encoding
+        return frozenset({raw, text.encode("latin-1")})
     return frozenset({raw})

@@ -18,7 +18,7 @@ LEAST_PX = 720  # edge of the printed picture: finer than the camera sees it
 
 @dataclass(frozen=True)
 class FlatPrint:
-    """Ink on paper: `light` (k, k) bool, quiet zone included, has the material's reflectance, the rest the ground's."""
+    """Ink on paper: `light` (k, k) bool, quiet zone included, is as bright as the material, the rest as the ground."""
 
     light: NDArray[np.bool_]
     edge_mm: float
@@ -31,7 +31,9 @@ class FlatPrint:
         look = look or Look()
         front = look.light.on_front
         camera = Camera(view, facing_up((0.0, 0.0, 0.0), self.edge_mm))
-        shot = plate.shoot(self._stack(), _evenly_lit(front), camera, gap_mm=0.0, front=front, least_web_mm=1.0)
+        shot = plate.shoot(
+            self._stack(), _evenly_lit(front), camera, gap_mm=0.0, front=front, least_web_mm=1.0
+        )
         return photo.develop(shot, look, front=front, seed=seed)
 
     def _stack(self) -> Stack:
@@ -41,7 +43,7 @@ class FlatPrint:
 
 
 def printed(dark: NDArray[np.bool_], edge_mm: float, *, quiet_modules: int = 4, scale: int = 1) -> FlatPrint:
-    """The print of a symbol, or of its art with `scale` samples a module; `edge_mm` includes the quiet zone."""
+    """The print of a symbol, or of its art at `scale` samples a module; `edge_mm` with the quiet zone."""
     return FlatPrint(np.pad(~dark, quiet_modules * scale, constant_values=True), edge_mm)
 
 

@@ -16,7 +16,7 @@ BLACK: RGB = (0.04, 0.04, 0.04)
 
 @dataclass(frozen=True)
 class Light:
-    """An overcast sky of irradiance `ambient` and a distant lamp that adds `lamp` to a face turned towards it.
+    """A sky of irradiance `ambient` and a distant lamp that adds `lamp` to a face turned towards it.
 
     lamp_azimuth_deg as in `View`; lamp_elevation_deg above the code's plane.
     """

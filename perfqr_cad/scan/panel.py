@@ -33,7 +33,9 @@ Source = Gray | Callable[[], Gray]  # a picture, or what makes it when its turn 
 class Worker:
     """One decoder process. `ask` returns () on a miss, a crash and a time-out alike."""
 
-    def __init__(self, names: Sequence[str], time_limit_s: float, command: Sequence[str] | None = None) -> None:
+    def __init__(
+        self, names: Sequence[str], time_limit_s: float, command: Sequence[str] | None = None
+    ) -> None:
         self._command = list(command or [sys.executable, "-m", "perfqr_cad.scan.worker", *names])
         self._time_limit_s = time_limit_s
         self._process: subprocess.Popen[bytes] | None = None
@@ -76,7 +78,7 @@ class Worker:
 
 
 def _exchange(process: subprocess.Popen[bytes], request: bytes, limit_s: float) -> bytes:
-    """Send a request and wait for a line: empty when the process ends, or is ended because the time is over."""
+    """Send a request and wait for a line; empty when the process ends or its time is over."""
     assert process.stdin is not None
     assert process.stdout is not None
     watchdog = threading.Timer(limit_s, _kill, [process])

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.scan.look import Look, Optics
 from perfqr_cad.scan.plate import Shot
+from perfqr_cad.scan.raster import warp
 
 # The brightest thing in the picture is exposed to this part of full scale.
 EXPOSURE = 0.85
@@ -21,7 +22,7 @@ def develop(shot: Shot, look: Look, *, front: float, seed: int = 0) -> NDArray[n
         light = _channel(shot, look, 0)
         return _camera(light[..., None], look, front, seed)[..., 0]
     colour = develop_colour(shot, look, front=front, seed=seed)
-    return cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY)
+    return np.asarray(cv2.cvtColor(colour, cv2.COLOR_RGB2GRAY), np.uint8)
 
 
 def develop_colour(shot: Shot, look: Look, *, front: float, seed: int = 0) -> NDArray[np.uint8]:
@@ -41,7 +42,7 @@ def _channel(shot: Shot, look: Look, channel: int) -> NDArray[np.float32]:
     if look.texture is not None:
         ground = ground * _texture(shot, look, channel)
     lit = shot.material + np.float32(look.translucency * look.light.on_front) * shot.cover
-    return np.float32(look.material[channel]) * lit + ground
+    return (np.float32(look.material[channel]) * lit + ground).astype(np.float32)
 
 
 def _texture(shot: Shot, look: Look, channel: int) -> NDArray[np.float32]:
@@ -50,19 +51,12 @@ def _texture(shot: Shot, look: Look, channel: int) -> NDArray[np.float32]:
     tile = look.texture if look.texture.ndim == 2 else look.texture[..., channel]
     per_mm = tile.shape[1] / look.texture_mm
     mm_to_px = np.array([[per_mm, 0, tile.shape[1] / 2], [0, -per_mm, tile.shape[0] / 2], [0, 0, 1.0]])
-    size = shot.ground.shape[::-1]
-    return cv2.warpPerspective(
-        np.ascontiguousarray(tile, np.float32),
-        mm_to_px @ shot.to_ground,
-        size,
-        flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-        borderMode=cv2.BORDER_WRAP,
-    )
+    height, width = shot.ground.shape
+    to_picture = np.linalg.inv(mm_to_px @ shot.to_ground)
+    return warp(np.ascontiguousarray(tile, np.float32), to_picture, (width, height), tile=True)
 
 
-def _camera(
-    light: NDArray[np.float32], look: Look, front: float, seed: int
-) -> NDArray[np.uint8]:
+def _camera(light: NDArray[np.float32], look: Look, front: float, seed: int) -> NDArray[np.uint8]:
     """Exposure and the camera's faults on (H, W, channels) linear light."""
     optics = look.optics
     brightest = front * max(*look.material, *look.ground)
@@ -110,4 +104,4 @@ def _compress(picture: NDArray[np.uint8], optics: Optics) -> NDArray[np.uint8]:
         return picture
     _, data = cv2.imencode(".jpg", picture[..., ::-1].copy(), [cv2.IMWRITE_JPEG_QUALITY, optics.jpeg_quality])
     flag = cv2.IMREAD_COLOR if picture.shape[2] == 3 else cv2.IMREAD_GRAYSCALE
-    return cv2.imdecode(data, flag).reshape(picture.shape)[..., ::-1]
+    return np.asarray(cv2.imdecode(data, flag), np.uint8).reshape(picture.shape)[..., ::-1]

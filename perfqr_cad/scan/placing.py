@@ -68,7 +68,9 @@ def load_mesh(path: Path | str) -> Triangles:
     try:
         loaded = trimesh.load(path, force="mesh")
     except (ValueError, KeyError, IndexError, OSError, NotImplementedError) as error:
-        raise KernelError(f"{path} is not a mesh that can be read ({error}): write it again as .stl") from error
+        raise KernelError(
+            f"{path} is not a mesh that can be read ({error}): write it again as .stl"
+        ) from error
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
         raise KernelError(f"{path} holds 0 triangles: write it again as .stl")
     return Triangles(np.asarray(loaded.vertices, np.float64), np.asarray(loaded.faces, np.int64))

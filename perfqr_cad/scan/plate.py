@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from perfqr_cad.scan.camera import Camera
+from perfqr_cad.scan.raster import warp, zoom
 from perfqr_cad.scan.sections import Stack
-from perfqr_cad.scan.skylight import Brightness, Picture, zoom
+from perfqr_cad.scan.skylight import Brightness, Picture
 
 
 @dataclass(frozen=True)
@@ -57,18 +57,14 @@ def shoot(
     through = np.ones(size[::-1], np.float32)
     for k in chosen[::-1]:
         plane = crop @ camera.homography(float(stack.depth_mm[k]))
-        cover = cv2.warpPerspective(stack.material[k], plane @ to_plane, size, flags=cv2.INTER_LINEAR)
-        cover = np.multiply(cover, np.float32(1 / 255))
-        if k == 0:
-            lit = np.float32(front)
-        else:
-            lit = cv2.warpPerspective(brightness.wall[k], plane @ light_to_plane, size, flags=cv2.INTER_LINEAR)
+        cover = warp(stack.material[k], plane @ to_plane, size)
+        cover = cover * np.float32(1 / 255)
+        lit = warp(brightness.wall[k], plane @ light_to_plane, size) if k else np.float32(front)
         material += cover * (lit - material)
         through *= 1 - cover
 
     behind = camera.homography(thickness + gap_mm)
-    flags, edge = cv2.INTER_LINEAR, float(front)
-    ground = cv2.warpPerspective(brightness.ground, behind @ light_to_plane, pixels, flags=flags, borderValue=edge)
+    ground = warp(brightness.ground, behind @ light_to_plane, pixels, outside=front)
     ground[rows, columns] *= through
     return Shot(
         _padded(material, rows, columns, pixels), ground, _padded(1 - through, rows, columns, pixels),
@@ -80,7 +76,9 @@ def _window(stack: Stack, camera: Camera) -> tuple[slice, slice, np.ndarray]:
     """Rows and columns of the picture that the plate can touch, and the shift (3, 3) into them."""
     half = stack.edge_mm / 2
     square = np.array([[x, y, 1.0] for x in (-half, half) for y in (-half, half)])
-    seen = np.vstack([square @ camera.homography(float(d)).T for d in (stack.depth_mm[0], stack.depth_mm[-1])])
+    seen = np.vstack(
+        [square @ camera.homography(float(d)).T for d in (stack.depth_mm[0], stack.depth_mm[-1])]
+    )
     corners = seen[:, :2] / seen[:, 2:]
     low = np.clip(np.floor(corners.min(axis=0)), 0, camera.view.size_px - 1).astype(int)
     high = np.clip(np.ceil(corners.max(axis=0)) + 1, low + 1, camera.view.size_px).astype(int)

@@ -54,7 +54,10 @@ class Plan:
 # Off the code's axes: walls of both directions show.
 QUICK = Plan((0.0, 20.0, 30.0), (65.0, 205.0), size_px=640)
 FULL = Plan(
-    (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0), (25.0, 115.0, 205.0, 295.0), frames=2, backgrounds=tuple(BACKGROUNDS)
+    (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0),
+    (25.0, 115.0, 205.0, 295.0),
+    frames=2,
+    backgrounds=tuple(BACKGROUNDS),
 )
 
 
@@ -166,7 +169,7 @@ def _agreed(scene: Scene, look: Look, panel: Panel, plan: Plan) -> bytes:
     if len(said) != 1:
         found = "nothing" if not said else f"{len(said)} different payloads"
         raise AnalysisError(
-            f"{len(panel.names)} decoders read {found} from straight above: give the text that the part must show"
+            f"{len(panel.names)} decoders read {found} from straight above: give the text that it must show"
         )
     return said.pop()
 
@@ -204,9 +207,14 @@ def _backgrounds(
 
 
 def _telling(
-    scene: Scene, views: Sequence[View], look: Look, read: Sequence[frozenset[str]], names: Sequence[str], seed: int
+    scene: Scene,
+    views: Sequence[View],
+    look: Look,
+    read: Sequence[frozenset[str]],
+    names: Sequence[str],
+    seed: int,
 ) -> tuple[Sight | None, Sight | None]:
-    """The steepest view that all readers of the frontal view still read, and the first that one of them misses."""
+    """The steepest view that all frontal readers still read, and the first that one of them misses."""
     readers = read[0]
     worst: int | None = None
     first: int | None = None
@@ -221,7 +229,9 @@ def _telling(
             return None
         missed = tuple(name for name in names if name not in read[k])
         picture = scene.photo(views[k], look, seed=_seed(seed, k, 0))
-        return Sight(picture, views[k].tilt_deg, views[k].azimuth_deg, tuple(n for n in names if n in read[k]), missed)
+        return Sight(
+            picture, views[k].tilt_deg, views[k].azimuth_deg, tuple(n for n in names if n in read[k]), missed
+        )
 
     return sight(worst), sight(first)
 

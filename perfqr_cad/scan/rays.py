@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +16,7 @@ from perfqr_cad.scan.camera import Camera
 from perfqr_cad.scan.look import Light
 from perfqr_cad.scan.placing import Part
 from perfqr_cad.scan.plate import Shot
+from perfqr_cad.scan.raster import smooth
 from perfqr_cad.scan.skylight import Picture
 
 Floats = NDArray[np.float64]
@@ -90,7 +90,12 @@ def shoot(
 
 
 def _irradiance(
-    tracer: Tracer, points: Floats, normals: Floats, light: Light, reflectance: float, rng: np.random.Generator
+    tracer: Tracer,
+    points: Floats,
+    normals: Floats,
+    light: Light,
+    reflectance: float,
+    rng: np.random.Generator,
 ) -> Floats:
     """One sample of lamp, sky and one reflection at each point (k,)."""
     total, met = _direct(tracer, points, normals, light, rng)
@@ -147,7 +152,7 @@ def _spread(sparse: Picture, grid: NDArray[np.bool_], facing: NDArray[np.int8]) 
     for kind in np.unique(facing):
         mine = facing == kind
         here = (mine & grid).astype(np.float32)
-        weight = cv2.GaussianBlur(here, (0, 0), SMOOTH_PX)
-        mean = cv2.GaussianBlur(sparse * here, (0, 0), SMOOTH_PX) / (weight + _TINY)
+        weight = smooth(here, SMOOTH_PX)
+        mean = smooth(sparse * here, SMOOTH_PX) / (weight + _TINY)
         lit[mine] = mean[mine]
     return lit

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.scan import photo, plate, rays, sections, skylight
+from perfqr_cad.scan import photo, plate, raster, rays, sections, skylight
 from perfqr_cad.scan.camera import Camera, View
 from perfqr_cad.scan.look import Light, Look
 from perfqr_cad.scan.placing import Part
@@ -78,7 +77,12 @@ class Scene:
     def cast(self, camera: Camera, look: Look, reflectance: float) -> Shot:
         """The view by ray casting, which any mesh allows; the samples depend on the view only."""
         return rays.shoot(
-            self._tracer, camera, look.light, gap_mm=look.gap_mm, reflectance=reflectance, seed=camera.view.size_px
+            self._tracer,
+            camera,
+            look.light,
+            gap_mm=look.gap_mm,
+            reflectance=reflectance,
+            seed=camera.view.size_px,
         )
 
     @cached_property
@@ -110,10 +114,8 @@ def _reflectance(look: Look) -> float:
 def _smaller(shot: Shot, factor: int) -> Shot:
     """The shot at a resolution `factor` times lower, by area."""
     size = (shot.cover.shape[1] // factor, shot.cover.shape[0] // factor)
-    material, ground, cover = (
-        cv2.resize(p, size, interpolation=cv2.INTER_AREA) for p in (shot.material, shot.ground, shot.cover)
-    )
-    return Shot(material, ground, cover, shot.to_ground @ skylight.zoom(factor))
+    material, ground, cover = (raster.shrunk(p, size) for p in (shot.material, shot.ground, shot.cover))
+    return Shot(material, ground, cover, shot.to_ground @ raster.zoom(factor))
 
 
 def jittered(view: View, rng: np.random.Generator) -> View:

@@ -58,7 +58,12 @@ class Trial:
 
 
 def improve(
-    build: Build, start: Settings, choices: Mapping[str, Sequence[float]], goal: Goal, *, look: Look | None = None
+    build: Build,
+    start: Settings,
+    choices: Mapping[str, Sequence[float]],
+    goal: Goal,
+    *,
+    look: Look | None = None,
 ) -> tuple[Trial, tuple[Trial, ...]]:
     """The best settings found, and every trial in the order made.
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-# Sections are cut this far inside the end faces, as a part of the thickness: a cut through a face is undefined.
+# Sections are cut this far inside the end faces, as a part of the thickness: a cut in a face is undefined.
 END_INSET = 1e-4
 UPRIGHT = 1e-6  # walls lean by less than this (sine) when all sections between two levels are the same
 
@@ -125,9 +125,7 @@ def _split(segments: Floats, axis: int) -> Floats:
     return np.stack([start[owner] + begin * step, start[owner] + finish * step], axis=1)
 
 
-def stack(
-    vertices: Floats, faces: NDArray[np.integer], *, edge_mm: float, layers: int, pixels: int
-) -> Stack:
+def stack(vertices: Floats, faces: NDArray[np.integer], *, edge_mm: float, layers: int, pixels: int) -> Stack:
     """Sections of a plate between its lowest and highest z.
 
     vertices (k, 3) mm in the target's frame: x right, y up, z towards the reader.

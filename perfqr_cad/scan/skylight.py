@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.scan.look import Light
+from perfqr_cad.scan.raster import shift, shrunk, slopes, smooth
 from perfqr_cad.scan.sections import Stack
 
 Picture = NDArray[np.float32]
@@ -57,8 +57,8 @@ def brightness(
     reflectance is the material's; the ground is taken as black for the reflections.
     """
     size = min(LIGHT_PX, stack.pixels)
-    small = {id(m): cv2.resize(m, (size, size), interpolation=cv2.INTER_AREA) for m in stack.material}
-    material = np.stack([small[id(m)] for m in stack.material]).astype(np.float32) / 255
+    small = {id(m): shrunk(m, (size, size)) for m in stack.material}
+    material = np.stack([small[id(m)] for m in stack.material]) * np.float32(1 / 255)
     count = len(material)
     levels = np.unique(np.linspace(0, count - 1, LEVELS).round().astype(int))
     scene = _Scene(material[levels], stack.depth_mm[levels], size / stack.edge_mm, gap_mm)
@@ -82,7 +82,7 @@ def _between(pictures: Picture, levels: NDArray[np.integer], count: int) -> Pict
     lower = np.minimum(np.floor(at).astype(int), max(len(levels) - 2, 0))
     upper = np.minimum(lower + 1, len(levels) - 1)
     part = (at - lower).astype(np.float32)[:, None, None]
-    return pictures[lower] * (1 - part) + pictures[upper] * part
+    return (pictures[lower] * (1 - part) + pictures[upper] * part).astype(np.float32)
 
 
 def _sources(light: Light) -> list[tuple[NDArray[np.float64], float, float]]:
@@ -103,7 +103,7 @@ class _Scene:
     def gather(
         self, sources: list[tuple[NDArray[np.float64], float, float]], glow: Picture
     ) -> tuple[Picture, Picture, Picture]:
-        """Irradiance on side walls, on level tops (K, n, n) and on the ground (n, n); walls glow by `glow`."""
+        """Irradiance on side walls, level tops (K, n, n) and the ground (n, n); walls glow by `glow`."""
         shape = self.material.shape
         # Irradiance of faces that look along +x, -x, +y, -y and up, at every section.
         cube = np.zeros((5, *shape), np.float32)
@@ -145,32 +145,24 @@ class _Scene:
             seen = self._shift(passed, direction, self.depth_mm[k] - self.depth_mm[k + 1], 0.0)
             yield k, seen
 
-    def _shift(self, picture: Picture, towards: NDArray[np.float64], step_mm: float, open_sky: float) -> Picture:
+    def _shift(
+        self, picture: Picture, towards: NDArray[np.float64], step_mm: float, open_sky: float
+    ) -> Picture:
         """What a point sees one step away along a direction: the picture moved by the parallax."""
         reach = step_mm * self.px_per_mm / towards[2]
-        matrix = np.array([[1, 0, reach * towards[0]], [0, 1, -reach * towards[1]]])
-        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        return cv2.warpAffine(
-            picture, matrix, picture.shape[::-1], flags=flags, borderMode=cv2.BORDER_CONSTANT, borderValue=open_sky
-        )
+        return shift(picture, reach * towards[0], -reach * towards[1], open_sky)
 
     def _on_walls(self, cube: Picture) -> tuple[Picture, Picture]:
         """Irradiance of the material's own faces, from that of the free space beside them."""
         side, up = np.empty_like(self.material), np.empty_like(self.material)
         for k, material in enumerate(self.material):
             free = 1 - material
-            share = cv2.GaussianBlur(free, (0, 0), REACH_PX) + _TINY
-            beside = [cv2.GaussianBlur(face[k] * free, (0, 0), REACH_PX) / share for face in cube[:4]]
-            soft = cv2.GaussianBlur(material, (0, 0), 1.0)
-            right, down = cv2.Sobel(soft, -1, 1, 0), cv2.Sobel(soft, -1, 0, 1)
+            share = smooth(free, REACH_PX) + _TINY
+            beside = [smooth(face[k] * free, REACH_PX) / share for face in cube[:4]]
+            right, down = slopes(smooth(material, 1.0))
             size = right**2 + down**2 + _TINY
             # The wall looks away from the material: against the gradient. Rows run downwards, y upwards.
             side[k] = np.where(right < 0, beside[0], beside[1]) * (right**2 / size)
             side[k] += np.where(down > 0, beside[2], beside[3]) * (down**2 / size)
             up[k] = cube[4, k]
         return side, up
-
-
-def zoom(scale: float) -> NDArray[np.float64]:
-    """(3, 3) from pixels of a picture `scale` times smaller to those of the large one; centres at whole numbers."""
-    return np.array([[scale, 0, (scale - 1) / 2], [0, scale, (scale - 1) / 2], [0, 0, 1.0]])

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.scan.camera import Camera, View
 from perfqr_cad.scan.look import Look
+from perfqr_cad.scan.raster import warp
 from perfqr_cad.scan.scene import Scene
 from perfqr_cad.symbol import Matrix
 
@@ -81,25 +82,28 @@ def _seen(
     view = View(tilt_deg, azimuth_deg, fill=0.8, distance=6.0, size_px=640)
     shot = scene.shot(view, look)
     reflectance = float(np.mean(look.material))
-    light = (shot.material * reflectance + shot.ground * float(np.mean(look.ground))) / reflectance
+    darkness = np.float32(np.mean(look.ground) / reflectance)
+    light = (shot.material + shot.ground * darkness).astype(np.float32)
     step = module_mm / MODULE_PX
     first = (n * MODULE_PX - 1) / 2 * step
     to_plane = np.array([[step, 0, -first], [0, -step, first], [0, 0, 1.0]])
-    matrix = Camera(view, scene.part.target).homography(0.0) @ to_plane
+    to_pixels = Camera(view, scene.part.target).homography(0.0) @ to_plane
     size = (n * MODULE_PX, n * MODULE_PX)
-    rectified = cv2.warpPerspective(light, matrix, size, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP)
-    return rectified / np.float32(look.light.on_front)
+    return warp(light, np.linalg.inv(to_pixels).astype(np.float64), size) / np.float32(look.light.on_front)
 
 
 def _margins(light: NDArray[np.float32], dark: NDArray[np.bool_], look: Look) -> NDArray[np.float32]:
     n = len(dark)
     tone = np.clip(light, 0, None) ** np.float32(1 / look.optics.gamma)
     inset = round(MODULE_PX * (1 - CORE) / 2)
-    cells = tone.reshape(n, MODULE_PX, n, MODULE_PX)[:, inset : MODULE_PX - inset, :, inset : MODULE_PX - inset]
+    cells = tone.reshape(n, MODULE_PX, n, MODULE_PX)[
+        :, inset : MODULE_PX - inset, :, inset : MODULE_PX - inset
+    ]
     mean = cells.mean(axis=(1, 3))
     side = 2 * (THRESHOLD_MODULES // 2) + 1
     low, high = (f(mean, np.ones((side, side))) for f in (cv2.erode, cv2.dilate))
-    return np.where(dark, -1.0, 1.0) * (mean - (low + high) / 2)
+    side_of = np.where(dark, -1.0, 1.0).astype(np.float32)
+    return (side_of * (mean - (low + high) / 2)).astype(np.float32)
 
 
 def _ring_light(light: NDArray[np.float32], n: int) -> float:

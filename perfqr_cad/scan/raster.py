@@ -1,0 +1,64 @@
+"""Pictures moved and resized: the few OpenCV calls the camera needs, with their types kept."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Number = TypeVar("Number", np.uint8, np.float32)
+Floats = NDArray[np.float64]
+
+
+def warp(
+    picture: NDArray[Number],
+    to_picture: Floats,
+    size: tuple[int, int],
+    *,
+    outside: float = 0.0,
+    tile: bool = False,
+) -> NDArray[Number]:
+    """The picture (h, w) under a homography (3, 3) from its (x, y) to those of a picture `size` (width, height).
+
+    Bilinear; beyond the picture lies `outside`, or with `tile` the picture again.
+    """
+    border = cv2.BORDER_WRAP if tile else cv2.BORDER_CONSTANT
+    flags = cv2.INTER_LINEAR
+    moved = cv2.warpPerspective(
+        picture, to_picture, size, flags=flags, borderMode=border, borderValue=outside
+    )
+    return np.asarray(moved, picture.dtype)
+
+
+def shift(picture: NDArray[np.float32], x: float, y: float, outside: float) -> NDArray[np.float32]:
+    """Each pixel's value (x, y) pixels away from it; `outside` where that is beyond the picture."""
+    matrix = np.array([[1.0, 0, x], [0, 1.0, y]])
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    height, width = picture.shape
+    moved = cv2.warpAffine(
+        picture, matrix, (width, height), flags=flags, borderMode=cv2.BORDER_CONSTANT, borderValue=outside
+    )
+    return np.asarray(moved, np.float32)
+
+
+def shrunk(picture: NDArray[Number], size: tuple[int, int]) -> NDArray[Number]:
+    """The picture at a lower resolution (width, height), by area."""
+    return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), picture.dtype)
+
+
+def smooth(picture: NDArray[np.float32], sigma_px: float) -> NDArray[np.float32]:
+    """Gaussian blur."""
+    return np.asarray(cv2.GaussianBlur(picture, (0, 0), sigma_px), np.float32)
+
+
+def slopes(picture: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Derivatives to the right and downwards (Sobel)."""
+    right, down = cv2.Sobel(picture, -1, 1, 0), cv2.Sobel(picture, -1, 0, 1)
+    return np.asarray(right, np.float32), np.asarray(down, np.float32)
+
+
+def zoom(scale: float) -> Floats:
+    """(3, 3) from pixels of a picture `scale` times smaller to the large one's; centres at whole numbers."""
+    return np.array([[scale, 0, (scale - 1) / 2], [0, scale, (scale - 1) / 2], [0, 0, 1.0]])
