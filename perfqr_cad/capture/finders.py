@@ -19,6 +19,7 @@ PROFILE_TOLERANCE = np.array([0.6, 0.6, 1.1, 0.6, 0.6]) / 7.0  # of the whole ru
 LEAST_RUN_PX = 6.0  # a finder of 7 modules at 0.9 px
 CLUSTER_MODULES = 1.2  # hits nearer than this belong to one finder
 CROSSING_MODULES = 1.0  # between the centres found along rows and along columns
+LEAST_SUPPORT = 0.3  # of the three modules of scan lines that cross a finder's core
 SAME_SIZE = 1.8  # ratio of the module widths of two finders of one symbol, at the most
 MAX_FINDERS = 14  # best supported; 364 triples
 MAX_TRIPLES = 8
@@ -68,6 +69,8 @@ def _finders(dark: NDArray[np.bool_]) -> list[Finder]:
     near = cKDTree(columns[:, :2])
     found: list[Finder] = []
     for cluster in _clusters(rows):
+        if len(cluster) < LEAST_SUPPORT * 3 * cluster[0, 2] / 7:
+            continue
         x, y, width = np.median(cluster, axis=0)
         module = width / 7
         partners = columns[near.query_ball_point((x, y), CROSSING_MODULES * module)]
@@ -101,20 +104,18 @@ def _hits(dark: NDArray[np.bool_]) -> NDArray[np.float64]:
 
 
 def _clusters(hits: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """Hits of one finder: each within `CLUSTER_MODULES` of the last one below or above."""
-    order = hits[np.lexsort((hits[:, 1], np.round(hits[:, 0] / 4)))]
-    open_: list[list[NDArray[np.float64]]] = []
-    tree = cKDTree(order[:, :2])
-    left = np.ones(len(order), np.bool_)
-    for start in range(len(order)):
-        if not left[start]:
-            continue
-        width = order[start, 2]
-        near = np.array(tree.query_ball_point(order[start, :2], max(CLUSTER_MODULES * 2 * width / 7, 2.0)))
-        near = near[left[near] & (np.abs(order[near, 2] - width) < 0.4 * width)]
-        left[near] = False
-        open_.append([order[near]])
-    return [one[0] for one in open_ if len(one[0])]
+    """Hits of one finder: of about the same length and within `CLUSTER_MODULES` of its first one."""
+    reach = np.maximum(CLUSTER_MODULES * 2 * hits[:, 2] / 7, 2.0)
+    neighbours = cKDTree(hits[:, :2]).query_ball_point(hits[:, :2], reach)
+    left = np.ones(len(hits), np.bool_)
+    clusters: list[NDArray[np.float64]] = []
+    for hit, members in zip(hits, neighbours, strict=True):
+        near = np.array(members)
+        near = near[left[near] & (np.abs(hits[near, 2] - hit[2]) < 0.4 * hit[2])]
+        if len(near):
+            left[near] = False
+            clusters.append(hits[near])
+    return clusters
 
 
 def _merged(found: list[Finder]) -> list[Finder]:

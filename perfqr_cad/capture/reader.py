@@ -73,11 +73,10 @@ def read(
     CaptureError says whether no code was found, or one that is damaged beyond its capacity.
     """
     picture = _without_idle_colour(load_image(source))
-    grey = luminance(picture)
     damage: tuple[float, str] = (0.0, "")
     tries = 0
-    for seed in _distinct(_seeds(picture)):
-        for space, grid, fit in _registered(grey, seed):
+    for view, seed in _distinct(_seeds(picture)):
+        for space, grid, fit in _registered(view, seed):
             tries += 1
             if tries > CORRECTIONS_TRIED:
                 raise CaptureError(_failure(source, picture, *damage))
@@ -94,19 +93,20 @@ def _without_idle_colour(picture: Picture) -> Picture:
     return picture if is_colourful(picture) else luminance(picture)
 
 
-def _seeds(picture: Picture) -> Iterator[Seed]:
-    """Guesses by decoders and by our own search, in all views, cheapest first."""
+def _seeds(picture: Picture) -> Iterator[tuple[Picture, Seed]]:
+    """Guesses by decoders and by our own search, each with the grey view that shows it; cheapest first."""
     views = greys(picture)
     for decoder in (zxing_seeds, _finder_seeds, wechat_seeds, opencv_seeds):
-        yield from decoder(views[0])
+        yield from ((views[0], seed) for seed in decoder(views[0]))
     for view in views[1:]:
-        yield from zxing_seeds(view)
-        yield from _finder_seeds(view)
+        for decoder in (zxing_seeds, _finder_seeds):
+            yield from ((view, seed) for seed in decoder(view))
     for view in views:
         for name, image, back in searched(view):
             for decoder in (zxing_seeds, _finder_seeds):
                 for seed in decoder(image):
-                    yield replace(seed, engine=f"{seed.engine}, {name}", places=project(back, seed.places))
+                    engine, places = f"{seed.engine}, {name}", project(back, seed.places)
+                    yield view, replace(seed, engine=engine, places=places)
 
 
 def _finder_seeds(image: Picture) -> Iterator[Seed]:
@@ -114,17 +114,17 @@ def _finder_seeds(image: Picture) -> Iterator[Seed]:
         yield Seed("finders", triple.centres, triple.sizes, None, True)
 
 
-def _distinct(seeds: Iterator[Seed]) -> Iterator[Seed]:
-    """Seeds that are not where another of the same size was already, `SEEDS_TRIED` of them at the most."""
+def _distinct(seeds: Iterator[tuple[Picture, Seed]]) -> Iterator[tuple[Picture, Seed]]:
+    """Seeds that are not where another of their view was already, `SEEDS_TRIED` of them at the most."""
     seen: list[tuple[int, Floats]] = []
-    for seed in seeds:
+    for view, seed in seeds:
         place = np.append(seed.places.mean(axis=0), np.ptp(seed.places, axis=0))
         near = SAME_PLACE * float(place[2:].max())
-        kind = len(seed.places)
+        kind = id(view) + len(seed.places)
         if any(kind == other and np.abs(place - old).max() < near for other, old in seen):
             continue
         seen.append((kind, place))
-        yield seed
+        yield view, seed
         if len(seen) >= SEEDS_TRIED:
             return
 

@@ -40,10 +40,12 @@ class Template:
 class Workspace:
     """A copy of the part of the picture around a grid, at `WORK_MODULE_PX` a module.
 
-    image (h, w) float32;  transform (3, 3) from pixels of the picture to pixels of the copy
+    image, smooth (h, w) float32, the second blurred as the template of the last stage is
+    transform (3, 3) from pixels of the picture to pixels of the copy
     """
 
     image: NDArray[np.float32]
+    smooth: NDArray[np.float32]
     transform: Floats
 
 
@@ -60,7 +62,12 @@ def workspace(picture: NDArray[np.uint8], grid: Grid) -> Workspace:
     sx, sy = size[0] / crop.shape[1], size[1] / crop.shape[0]
     # cv2.resize keeps the outer edges of the picture: x' + 0.5 = (x − low + 0.5) · s
     transform = np.array([[sx, 0, (0.5 - low[0]) * sx - 0.5], [0, sy, (0.5 - low[1]) * sy - 0.5], [0, 0, 1]])
-    return Workspace(_evened(resized.astype(np.float32)), transform)
+    image = _evened(resized.astype(np.float32))
+    return Workspace(image, _blurred(image, FLAT_STAGES[-1][1]), transform)
+
+
+def _blurred(image: NDArray[np.float32], modules: float) -> NDArray[np.float32]:
+    return np.asarray(cv2.GaussianBlur(image, (0, 0), modules * WORK_MODULE_PX / 2), np.float32)
 
 
 def _evened(image: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -81,7 +88,7 @@ def register(space: Workspace, grid: Grid, stages: tuple[Stage, ...] = FLAT_STAG
     # An inverted code fits as well when the picture is taken as its negative.
     sign = -1.0 if correlation(space, grid) < 0 else 1.0
     for modules, blur, iterations in stages:
-        image = cv2.GaussianBlur(space.image, (0, 0), blur * WORK_MODULE_PX / 2)
+        image = _blurred(space.image, blur)
         inside = _descend(image * np.float32(sign), inside, template(grid.size, modules, blur), iterations)
     back = inside.moved(np.linalg.inv(space.transform))
     return back, correlation(space, back)
@@ -92,8 +99,7 @@ def correlation(space: Workspace, grid: Grid, modules: str = "all") -> float:
     if grid.module_px == 0:
         return 0.0
     known = template(grid.size, modules, FLAT_STAGES[-1][1])
-    image = cv2.GaussianBlur(space.image, (0, 0), FLAT_STAGES[-1][1] * WORK_MODULE_PX / 2)
-    seen = look_up(image, grid.moved(space.transform).pixels(known.points)[None])[0]
+    seen = look_up(space.smooth, grid.moved(space.transform).pixels(known.points)[None])[0]
     return _normalised_product(seen, known.values)
 
 

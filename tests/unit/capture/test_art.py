@@ -8,6 +8,7 @@ import pytest
 import segno
 
 from perfqr_cad.capture import Art, read
+from perfqr_cad.capture.register import known_modules
 from tests import pictures
 
 
@@ -20,11 +21,7 @@ def _halftone(scale: int, seed: int) -> np.ndarray:
     inner = slice((scale - 1) // 2, scale // 2 + 1)
     middle[inner, inner] = True
     keep = np.tile(middle, code.shape)
-    edge = 9 * scale
-    for rows, columns in ((slice(None, edge), slice(None, edge)), (slice(None, edge), slice(-edge, None)), (slice(-edge, None), slice(None, edge))):
-        keep[rows, columns] = True
-    keep[6 * scale : 7 * scale] = True
-    keep[:, 6 * scale : 7 * scale] = True
+    keep |= np.kron(known_modules(len(code), "all")[0], np.ones((scale, scale), bool))
     return np.where(keep, plain, art)
 
 

@@ -75,7 +75,7 @@ def test_the_homography_maps_modules_to_pixels() -> None:
 
 def test_colours_of_one_luminance_are_told_apart() -> None:
     """Red and blue that a grey camera cannot tell apart."""
-    sample = pictures.plain(8, 3, "H", scale=8)
+    sample = pictures.plain(8, 4, "H", scale=8)
     dark = sample.picture == 0
     red, blue = np.array([200, 40, 0]), np.array([0, 60, 200])
     luma = np.array([0.299, 0.587, 0.114])
@@ -91,7 +91,7 @@ def _damaged(wrong: int) -> np.ndarray:
     symbol = encode("damage is counted by block", version=5, level="Q")
     places = layout(5, "Q")
     dark = symbol.matrix.dark.copy()
-    for codeword in places.codewords_of_block(0)[:wrong]:
+    for codeword in places.codewords_of_block(0)[::-1][:wrong]:
         rows, columns = places.modules[codeword].T
         dark[rows, columns] ^= True
     return np.where(np.kron(np.pad(dark, 4), np.ones((6, 6))) > 0, 0, 255).astype(np.uint8)
