@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.pattern.outline import Loop, Region
 from perfqr_cad.solid import occ
+from perfqr_cad.solid.fitted import FIT_MM
 from perfqr_cad.solid.imported import kernel
 from perfqr_cad.solid.imported.body import Array
 from perfqr_cad.solid.imported.face_chart import chart_between
@@ -57,7 +58,7 @@ def carve(host: Host, region: Region, laid: Laid, walls: Walls, min_web_mm: floa
     problems: list[str] = []
     if abs(lost - removed) > tolerance * removed:
         problems.append(f"it lost {lost:.6g} mm³ instead of {removed:.6g} mm³")
-    if not kernel.is_valid(shape):
+    if not _is_valid(shape, host):
         problems.append("the kernel's check fails")
     if problems:
         raise KernelError(f"the perforated solid is not sound ({'; '.join(problems)}): move the code a little")
@@ -75,6 +76,14 @@ def carve(host: Host, region: Region, laid: Laid, walls: Walls, min_web_mm: floa
         expected_volume_mm3=volume + lost - removed,
         name=host.name,
     )
+
+
+def _is_valid(shape: TopoDS_Solid, host: Host) -> bool:
+    """The kernel's check, given a second chance with edges brought in step."""
+    if kernel.is_valid(shape):
+        return True
+    kernel.reconcile(shape, host.shape, FIT_MM)
+    return kernel.is_valid(shape)
 
 
 def _punched(host: Host, wells: Sequence[Well], laid: Laid) -> TopoDS_Solid:

@@ -129,7 +129,39 @@ def sound(solid: TopoDS_Solid, name: str) -> TopoDS_Solid:
                 "export it again"
             )
         solid = repaired
-    return outward(solid)
+    return outward(grounded(solid))
+
+
+def grounded(solid: TopoDS_Solid) -> TopoDS_Solid:
+    """The solid with every face's surface where it lies, not moved there by a location: curves are drawn on it."""
+    from OCP.ShapeUpgrade import ShapeUpgrade_RemoveLocations
+    from OCP.TopoDS import TopoDS
+
+    if solid.Location().IsIdentity() and all(face.Location().IsIdentity() for face in explore(solid, "FACE")):
+        return solid
+    remover = ShapeUpgrade_RemoveLocations()
+    remover.Remove(solid)
+    return TopoDS.Solid_s(remover.GetResult())
+
+
+def reconcile(shape: TopoDS_Shape, host: TopoDS_Shape, tolerance_mm: float) -> None:
+    """Bring the curves of edges that `host` has not in step with their images on faces, in place.
+
+    A spline edge over many knots of its face may stray between the points at which its error was measured.
+    """
+    from OCP.BRep import BRep_Builder
+    from OCP.BRepLib import BRepLib
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopExp import TopExp
+    from OCP.TopoDS import TopoDS
+    from OCP.TopTools import TopTools_IndexedMapOfShape
+
+    builder, old = BRep_Builder(), TopTools_IndexedMapOfShape()
+    TopExp.MapShapes_s(host, TopAbs_ShapeEnum.TopAbs_EDGE, old)
+    for edge in explore(shape, "EDGE"):
+        if not old.Contains(edge):
+            builder.SameParameter(TopoDS.Edge_s(edge), False)
+    BRepLib.SameParameter_s(shape, tolerance_mm, False)
 
 
 def solid_of_shell(shell: TopoDS_Shape) -> TopoDS_Solid | None:

@@ -45,11 +45,13 @@ class Patch:
 
     def solid(self, pattern: Pattern, walls: Walls) -> Solid:
         """The perforated panel, where it lies on the mesh; its name states the fitting error."""
+        from perfqr_cad.solid.imported import kernel
         from perfqr_cad.solid.imported.carve import carve
         from perfqr_cad.solid.imported.host import Host
         from perfqr_cad.solid.imported.target import projected
 
-        host = Host(f"panel fitted within {self.worst_mm:.3f} mm", self._panel())
+        name = f"panel fitted within {self.worst_mm:.3f} mm"
+        host = Host(name, kernel.sound(self._panel(), name))
         laid = projected(host, survey(host.body, self.frame, self.size_mm))
         return carve(host, pattern.region, laid, walls, pattern.spec.web_mm)
 
@@ -60,7 +62,6 @@ class Patch:
         from OCP.gp import gp_Vec
         from OCP.TopoDS import TopoDS
 
-        from perfqr_cad.solid.imported import kernel
         from perfqr_cad.solid.occ import TOLERANCE_MM, spline_surface
 
         across = greville(self.knots)
@@ -70,7 +71,7 @@ class Patch:
         half = self.size_mm / 2
         face = BRepBuilderAPI_MakeFace(surface, -half, half, -half, half, TOLERANCE_MM).Face()
         inward = gp_Vec(*(-self.thickness_mm * self.frame.axes[2]).tolist())
-        return kernel.outward(TopoDS.Solid_s(BRepPrimAPI_MakePrism(face, inward).Shape()))
+        return TopoDS.Solid_s(BRepPrimAPI_MakePrism(face, inward).Shape())
 
 
 def fit_patch(body: Body, laid: Projected, size_mm: float) -> Patch:

@@ -1,0 +1,31 @@
+"""`Workplane.perforatedQR`: the code as a CadQuery method. Importing this module adds it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cadquery
+
+from perfqr_cad.solid.frontends.convert import to_cadquery
+from perfqr_cad.solid.frontends.plate import plate
+
+
+def perforatedQR(  # noqa: N802 - CadQuery's own style of names
+    self: cadquery.Workplane,
+    text: str,
+    size_mm: float | None = None,
+    thickness_mm: float = 1.6,
+    *,
+    combine: bool | str = True,
+    clean: bool = False,
+    **settings: Any,
+) -> cadquery.Workplane:
+    """A flat perforated code at every point of the stack, its back on the workplane, read from its +z side.
+
+    Settings are those of `frontends.plate.plate`; `combine` and `clean` are CadQuery's.
+    """
+    code = to_cadquery(plate(text, size_mm, thickness_mm, **settings)).val()
+    return self.eachpoint(lambda place: code.moved(place), True, combine, clean)
+
+
+cadquery.Workplane.perforatedQR = perforatedQR  # type: ignore[attr-defined]
