@@ -22,6 +22,7 @@ from perfqr_cad.errors import (
 if TYPE_CHECKING:
     from perfqr_cad.capture import read
     from perfqr_cad.design import Design, Request, make
+    from perfqr_cad.solid.frontends import PerforatedQR
 
 __version__ = "0.1.0"
 
@@ -32,6 +33,7 @@ __all__ = [
     "DesignError",
     "KernelError",
     "PerfQRError",
+    "PerforatedQR",
     "Request",
     "SymbolError",
     "TemplateError",
@@ -42,6 +44,7 @@ __all__ = [
 # Names that pull in numerical libraries are loaded on first use, so that importing the package is instant.
 _LAZY = {
     "Design": "perfqr_cad.design",
+    "PerforatedQR": "perfqr_cad.solid.frontends",
     "Request": "perfqr_cad.design",
     "make": "perfqr_cad.design",
     "read": "perfqr_cad.capture",
