@@ -14,21 +14,23 @@ from .sampling import Array, Indices
 WEB_CHORD_MM = 0.002  # curves are measured by chords this close
 
 
-def flares(region: Region, flare_mm: float, min_web_mm: float) -> tuple[tuple[float, ...], ...]:
+def flares(region: Region, flare_mm: float, min_web_mm: float) -> list[Array]:
     """For each hole, the set-back of each of its segments: `flare_mm`, or less where a web would fall below
     `min_web_mm` at the back. Both sides of a web give way alike; a web already that thin stays as it is.
     """
+    behind = webs(region, 2 * flare_mm + min_web_mm)
+    return [np.clip((web - min_web_mm) / 2, 0.0, flare_mm) for web in behind]
+
+
+def webs(region: Region, up_to_mm: float) -> list[Array]:
+    """For each hole, the width of the material behind each of its segments, at most `up_to_mm`.
+
+    A web runs between boundaries that are no neighbours along a straight tie through the material.
+    """
     loops = region.loops
-    segments = [s for loop in loops for s in loop.segments]
-    webs = _webs(region, segments, 2 * flare_mm + min_web_mm)
-    allowed = np.clip((webs - min_web_mm) / 2, 0.0, flare_mm)
-    starts = np.concatenate([[0], np.cumsum([len(loop.segments) for loop in loops])])
-    return tuple(tuple(allowed[a:b].tolist()) for a, b in zip(starts[1:], starts[2:], strict=False))
-
-
-def thinnest_web_mm(region: Region, up_to_mm: float) -> float:
-    """Least width of material between boundaries that are not neighbours; `up_to_mm` where all are wider."""
-    return float(_webs(region, [s for loop in region.loops for s in loop.segments], up_to_mm).min())
+    widths = _webs(region, [s for loop in loops for s in loop.segments], up_to_mm)
+    starts = np.cumsum([len(loop.segments) for loop in loops])
+    return np.split(widths, starts[:-1])[1:]
 
 
 def _webs(region: Region, segments: Sequence[Segment], up_to_mm: float) -> Array:

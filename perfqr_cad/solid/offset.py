@@ -11,26 +11,44 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Loop, Segment
 
 from .sampling import Array
 
 SMOOTH = 1e-6  # sine of the turn below which two segments join smoothly
+EVEN = 0.35  # sine of the turn (20°) below which a mitre between unlike flares would be a long spike
+HALVINGS = 8  # of a flare that closes an edge; after the last it is dropped
+REACH = (-2, -1, 0, 1, 2)  # an edge and its neighbours, rounded corners between them included
+SHORTEST = 0.05  # an edge that keeps less of its length than this counts as closed
+MOST_TURN_RAD = 1.0  # an arc whose sweep changes more has closed and come out on the other side
 SHARE = 0.5  # a rounded corner that would shrink below this share of its radius keeps the radius instead
 
 
 def widened(loop: Loop, flares: Sequence[float]) -> Loop:
     """The loop with each segment set back to its left by its own flare, mm.
 
-    Rounded corners between lines stay tangent; other smooth joints take the lesser flare of the two. Raises
-    `DesignError` where a segment would vanish.
+    Rounded corners between lines stay tangent; joints that hardly turn take the lesser flare of the two. Where a
+    segment would vanish or turn over, it and its neighbours give way: their flares are halved, in the end dropped.
     """
     segments = loop.segments
+    n = len(segments)
+    back = list(flares)
+    for attempt in range(HALVINGS):
+        moved = _set_back(segments, back)
+        bad = [i for i in range(n) if _turned_over(segments[i], moved[i])]
+        if not bad:
+            return Loop(tuple(moved))
+        for i in {(k + step) % n for k in bad for step in REACH}:
+            back[i] = back[i] / 2 if attempt < HALVINGS - 2 else 0.0
+    return loop
+
+
+def _set_back(segments: Sequence[Segment], flares: Sequence[float]) -> list[Segment]:
+    """The segments set back, whether or not they still make a loop."""
+    n = len(segments)
     if isinstance(segments[0], Circle):
         circle = segments[0]
-        return Loop((Circle(circle.centre, _radius(circle, flares[0]), circle.ccw),))
-    n = len(segments)
+        return [Circle(circle.centre, _radius(circle, flares[0]), circle.ccw)]
     back = _evened(segments, flares)
     fillets = {i: _fillet(segments, back, i) for i in range(n) if _is_fillet(segments, i)}
     corners: list[Array] = []
@@ -47,9 +65,7 @@ def widened(loop: Loop, flares: Sequence[float]) -> Loop:
         start, end = corners[i], corners[(i + 1) % n]
         centre = fillets[i][2] if i in fillets else None
         moved.append(_between(segment, back[i], start, end, centre))
-    for old, new in zip(segments, moved, strict=True):
-        _same_way(old, new)
-    return Loop(tuple(moved))
+    return moved
 
 
 def _evened(segments: Sequence[Segment], flares: Sequence[float]) -> list[float]:
@@ -61,7 +77,7 @@ def _evened(segments: Sequence[Segment], flares: Sequence[float]) -> list[float]
         changed = False
         for i in range(n):
             j = (i + 1) % n
-            if _is_fillet(segments, i) or _is_fillet(segments, j) or not _smooth(segments[i], segments[j]):
+            if _is_fillet(segments, i) or _is_fillet(segments, j) or not _smooth(segments[i], segments[j], EVEN):
                 continue
             least = min(back[i], back[j])
             changed |= back[i] != back[j]
@@ -115,8 +131,10 @@ def _corner(a: Segment, back_a: float, b: Segment, back_b: float) -> Array:
         residual = np.array([_gap(a, back_a, line_a, meet), _gap(b, back_b, line_b, meet)])
         if np.abs(residual).max() < 1e-13:
             break
+        if not np.isfinite(meet).all():
+            break
         slopes = np.array([_gap_slope(a, line_a, meet), _gap_slope(b, line_b, meet)])
-        meet = meet - np.linalg.solve(slopes, residual)
+        meet = meet - np.linalg.lstsq(slopes, residual)[0]
     return meet
 
 
@@ -161,25 +179,21 @@ def _moved_bezier(curve: Bezier, back: float, start: Array, end: Array) -> Bezie
 
 
 def _radius(segment: Arc | Circle, back: float) -> float:
-    radius = segment.radius - back if segment.ccw else segment.radius + back
-    if radius <= 0:
-        raise DesignError(
-            f"a rounded corner of {segment.radius:.3g} mm vanishes under a flare of {back:.3g} mm: "
-            f"take a draft that flares less than {segment.radius:.3g} mm, or a larger fillet"
-        )
-    return radius
+    """Of the concentric arc; not above 0 where the set-back closes it."""
+    return segment.radius - back if segment.ccw else segment.radius + back
 
 
-def _same_way(old: Segment, new: Segment) -> None:
-    """Raises `DesignError` where a segment has turned over: the holes beside it have met."""
+def _turned_over(old: Segment, new: Segment) -> bool:
+    """Whether a segment has vanished, or runs the other way: the corners beside it have met."""
+    if isinstance(new, Circle):
+        return new.radius <= 0
     ahead = [np.subtract(s.end, s.start) for s in (old, new)]
-    turned = isinstance(old, Arc) and isinstance(new, Arc) and abs(new.sweep_rad) > abs(old.sweep_rad) + 1.0
-    if turned or (isinstance(old, Line) and float(ahead[0] @ ahead[1]) <= 0):
-        x, y = old.start
-        raise DesignError(
-            f"the draft closes an edge of {old.length:.3g} mm at ({x:.2f}, {y:.2f}): "
-            "take a smaller draft, a longer lip or a thinner plate"
-        )
+    if not np.isfinite(ahead[1]).all() or new.start == new.end:
+        return True
+    if isinstance(old, Arc) and isinstance(new, Arc):
+        astray = abs(math.dist(new.end, new.centre) - new.radius) > SMOOTH * new.radius
+        return astray or abs(new.sweep_rad - old.sweep_rad) > MOST_TURN_RAD
+    return float(ahead[0] @ ahead[1]) < SHORTEST * float(ahead[0] @ ahead[0])
 
 
 def tangent(segment: Segment, end: int) -> Array:
@@ -194,9 +208,9 @@ def tangent(segment: Segment, end: int) -> Array:
             return _unit(_left(ray) if segment.ccw else -_left(ray))
 
 
-def _smooth(a: Segment, b: Segment) -> bool:
+def _smooth(a: Segment, b: Segment, sine: float = SMOOTH) -> bool:
     one, two = tangent(a, 1), tangent(b, 0)
-    return abs(one[0] * two[1] - one[1] * two[0]) < SMOOTH and float(one @ two) > 0
+    return abs(one[0] * two[1] - one[1] * two[0]) < sine and float(one @ two) > 0
 
 
 def _offset_point(segment: Segment, end: int, back: float) -> Array:

@@ -10,11 +10,12 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.outline import Arc, Circle, Loop, Region, Segment
 
 from .chart import Level
-from .flare import flares, thinnest_web_mm
+from .flare import flares, webs
 from .offset import widened
 from .walls import Walls
 
 LEAST_WEB_MM = 1e-3  # at the back, where no minimum is asked for: holes must not touch
+HALVINGS = 6  # of the flares beside a web that comes out too thin
 WEB_SLACK = 0.02  # corners of two holes that meet diagonally give way along their mitres, a little more than edges
 
 
@@ -68,32 +69,37 @@ def hole_wells(
         columns = [(hole, hole) for hole in front]
     else:
         region = Region(outer or _around(front, 2 * flare + min_web_mm), tuple(front))
-        back = flares(region, flare, max(min_web_mm, LEAST_WEB_MM))
-        wide = [widened(hole, set_back) for hole, set_back in zip(front, back, strict=True)]
+        wide = _flared(region, flare, min_web_mm)
         lip = walls.lip_mm > 0
         depths = (0.0, walls.lip_mm, reach) if lip else (0.0, reach)
         columns = [(hole, hole, w) if lip else (hole, w) for hole, w in zip(front, wide, strict=True)]
-        _check_webs(Region(region.outer, tuple(wide)), region, min_web_mm)
     levels = tuple(Level(d, d in (0.0, reach)) for d in depths)
     return tuple(Well(loops, levels, walls.depth_mm is not None) for loops in columns)
 
 
-def _check_webs(back: Region, front: Region, min_web_mm: float) -> None:
-    """The widened holes keep apart, and keep the least web wherever the front has it."""
-    polygon = back.polygon()
-    if not polygon.is_valid:
+def _flared(region: Region, flare_mm: float, min_web_mm: float) -> list[Loop]:
+    """The holes as they are at the back: set back by the flare, or by what the webs and short edges bear.
+
+    Raises `DesignError` where no edge can give way at all.
+    """
+    least = max(min_web_mm, LEAST_WEB_MM)
+    front = webs(region, least)
+    back = flares(region, flare_mm, least)
+    for attempt in range(HALVINGS):
+        wide = [widened(hole, set_back) for hole, set_back in zip(region.holes, back, strict=True)]
+        found = webs(Region(region.outer, tuple(wide)), least)
+        # A web that is thinner at the front already cannot be asked to be wider at the back.
+        thin = [f < (1 - WEB_SLACK) * np.minimum(least, g) for f, g in zip(found, front, strict=True)]
+        if not any(t.any() for t in thin):
+            break
+        share = 0.5 if attempt < HALVINGS - 2 else 0.0
+        back = [np.where(t, share * b, b) for t, b in zip(thin, back, strict=True)]
+    if wide == list(region.holes) or not Region(region.outer, tuple(wide)).polygon().is_valid:
         raise DesignError(
-            "the flared walls of neighbouring holes meet inside the plate: "
+            f"no hole can be flared by up to {flare_mm:.3g} mm with webs of {least:.3g} mm at the back: "
             "take a smaller draft, a longer lip, a thinner plate or larger modules"
         )
-    if min_web_mm == 0:
-        return
-    least = min(min_web_mm, thinnest_web_mm(front, min_web_mm))
-    if (found := thinnest_web_mm(back, min_web_mm)) < least * (1 - WEB_SLACK):
-        raise DesignError(
-            f"the draft leaves a web of {found:.3g} mm at the back, less than {least:.3g} mm: "
-            "take a smaller draft, a longer lip, a thinner plate or larger modules"
-        )
+    return wide
 
 
 def _around(holes: list[Loop], margin_mm: float) -> Loop:
