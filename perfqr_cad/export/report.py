@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from io import BytesIO
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -46,7 +47,7 @@ def write(design: DesignView, path: Path) -> None:
 def _sections(design: DesignView, certificate: dict[str, Any]) -> Iterator[str]:
     yield _head(design, certificate)
     yield _views(design)
-    yield _readability(design, certificate)
+    yield _readability(certificate)
     yield _connectivity(design, certificate)
     yield _strength(design, certificate)
     yield f"<h2>Solid</h2>\n{markup.facts(certificate.get('solid') or {})}"
@@ -81,16 +82,19 @@ def _views(design: DesignView) -> str:
     )
 
 
-def _readability(design: DesignView, certificate: dict[str, Any]) -> str:
+def _readability(certificate: dict[str, Any]) -> str:
     section = certificate.get("readability") or {}
-    blocks = [
-        (f"block {number}", f"{block['errors']} of {block['capacity']} codewords that can be corrected")
-        for number, block in enumerate(section.get("blocks", []), 1)
-    ]
-    return (
-        f'<h2>Readability</h2>\n<div class="pair"><div>{markup.facts(section)}</div>\n'
-        f"<div>{markup.table((), blocks)}</div></div>"
-    )
+    blocks = [(block["errors"], block["capacity"]) for block in section.get("blocks", [])]
+    first, rows = 1, list[tuple[str, str]]()
+    for (errors, capacity), alike in groupby(blocks):
+        last = first + len(list(alike)) - 1
+        rows.append(
+            (f"block {first}" if first == last else f"blocks {first}–{last}", f"{errors} of {capacity}")
+        )
+        first = last + 1
+    table = markup.table(("", "wrong codewords, of those that can be corrected"), rows)
+    facts = markup.facts(section)
+    return f'<h2>Readability</h2>\n<div class="pair"><div>{facts}</div>\n<div>{table}</div></div>'
 
 
 def _connectivity(design: DesignView, certificate: dict[str, Any]) -> str:

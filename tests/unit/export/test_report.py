@@ -69,7 +69,7 @@ def design(code):
     facts = {
         "payload": "TEXT & <more>",
         "symbol": {"version": 1, "level": "M"},
-        "readability": {"loss": 0.01, "blocks": [{"errors": 1, "capacity": 4}]},
+        "readability": {"loss": 0.01, "blocks": [{"errors": e, "capacity": 4} for e in (1, 0, 0)]},
         "structure": {"material": "PLA", "max_stress_mpa": None},
         "timings_s": {"scan": 12.345},
     }
@@ -111,7 +111,8 @@ def test_nothing_comes_from_a_network(text):
 
 def test_facts_are_there_and_escaped(text):
     assert "TEXT &amp; &lt;more&gt;" in text
-    assert "1 of 4 codewords" in text
+    assert "<th>block 1</th><td>1 of 4</td>" in text
+    assert "<th>blocks 2–3</th><td>0 of 4</td>" in text
     assert "not measured" in text
     assert "1 for strength (green)" in text
 
