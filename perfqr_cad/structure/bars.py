@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from perfqr_cad.structure import plate, shell
 from perfqr_cad.structure.candidates import Candidates
@@ -45,7 +45,7 @@ def _tie(mesh: Mesh, end: Floats, width: Floats) -> tuple[Ints, Floats]:
 def nearest_places(mesh: Mesh, points: Floats) -> tuple[Ints, Floats]:
     """The element nearest to each point (k, 2), and the reference coordinates in it, clipped to it."""
     centres = mesh.nodes[mesh.elements[:, :3]].mean(axis=1)
-    _, tried = cKDTree(centres).query(points, k=min(NEAREST, len(centres)))
+    _, tried = KDTree(centres).query(points, k=min(NEAREST, len(centres)))
     tried = np.asarray(tried).reshape(len(points), -1)
     offset = points[:, None] - mesh.nodes[mesh.elements[tried, 0]]
     local = np.einsum("ktap,kta->ktp", mesh.inverse_jacobian[tried], offset)

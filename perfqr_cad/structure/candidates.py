@@ -113,7 +113,7 @@ def coverage(
     centres = np.stack([modules[..., 1] + 0.5 - n / 2, n / 2 - modules[..., 0] - 0.5], axis=-1) * m
     share = _inside(centres, m / 3, start, end, width).mean(axis=2)
     touched = _inside(centres, m, start, end, width).any(axis=2)
-    return np.clip(modules, 0, n - 1), np.where(outside, 0.0, share), touched & ~outside
+    return np.clip(modules, 0, n - 1), np.where(outside, 0.0, share), np.asarray(touched & ~outside)
 
 
 def _inside(centres: Floats, edge: float, start: Floats, end: Floats, width: Floats) -> NDArray[np.bool_]:

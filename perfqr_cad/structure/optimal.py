@@ -31,7 +31,7 @@ SHORT_LIST = 16  # bars compared exactly in a round
 PROBES = 8  # bars whose exact flexibility stands for all in the ranking
 TENSOR = 5  # components of a stress tensor here
 PER_ROUND = 8  # bars laid in a round at most
-MOST_ROUNDS = 12  # between two conforming meshes
+MOST_ROUNDS = 6  # between two conforming meshes
 AIM = 0.97  # of the limit: bars stand on the old mesh, the conforming one may say a little more
 LEAST_GAIN = 1e-3  # of the stress: what a bar must take off to be laid, and to stay
 BASE_PRICE = 0.2  # margin that any bar costs: two small ones are no better than one that helps
@@ -150,7 +150,7 @@ class OptimalChoice:
         self,
         analysis: Reanalysis,
         bars: Candidates,
-        coupling: sp.csc_matrix,
+        coupling: sp.csc_array,
         open_rows: NDArray[np.bool_],
         module_mm: float,
     ) -> list[int]:
@@ -176,7 +176,7 @@ class OptimalChoice:
     def _short_list(
         self,
         analysis: Reanalysis,
-        coupling: sp.csc_matrix,
+        coupling: sp.csc_array,
         adjoint: Floats,
         price: Floats,
         open_rows: NDArray[np.bool_],
@@ -193,7 +193,7 @@ class OptimalChoice:
         return order[gain[order] > 0.0]
 
     def _host_flexibility(
-        self, analysis: Reanalysis, coupling: sp.csc_matrix, open_rows: NDArray[np.bool_], modes: int
+        self, analysis: Reanalysis, coupling: sp.csc_array, open_rows: NDArray[np.bool_], modes: int
     ) -> Floats:
         """Typical flexibility of the part under each mode of a bar, from an even sample; computed once."""
         if self._host is None:
@@ -256,7 +256,7 @@ def _gradient(tensors: Floats, places: int) -> Floats:
     return (weight[..., None] * slope).ravel()
 
 
-def _columns(coupling: sp.csc_matrix, rows: list[int], count: int) -> sp.csc_matrix:
+def _columns(coupling: sp.csc_array, rows: list[int], count: int) -> sp.csc_array:
     """The columns of C that belong to some bars."""
     modes = coupling.shape[1] // count
     return coupling[:, (np.array(rows)[:, None] * modes + np.arange(modes)).ravel()]
@@ -266,4 +266,4 @@ def _in_the_way(bars: Candidates, row: int, gap_mm: float) -> NDArray[np.bool_]:
     """The bars that would leave less than the least gap to one that is laid, or cross it."""
     lines = shapely.linestrings(np.stack([bars.start, bars.end], axis=1))
     clear = 0.5 * (bars.width_mm + bars.width_mm[row]) + gap_mm
-    return np.asarray(shapely.distance(lines, lines[row])) < clear
+    return np.asarray(shapely.distance(lines, np.asarray(lines)[row])) < clear

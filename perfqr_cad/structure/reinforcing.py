@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 Method = Literal["optimal", "paper"]
 WEAK = "weak: no affordable bridge is left"
 LOOP_MESH_MODULES = 1.0  # element edges of the model that bridges are tried on
-MOST_CONFIRMATIONS = 8
+MOST_CONFIRMATIONS = 5
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.structure.t6 import Floats
 
-REENTRANT_DEG = 20.0  # a gentler bend, as between two chords of a fillet, needs no finer mesh
+REENTRANT_DEG = 50.0  # a gentler bend, as between two chords of a fillet, needs no finer mesh
 GROWTH = 2.0  # length of an edge over that of the one nearer to the corner
 
 

@@ -1,0 +1,117 @@
+"""Speed of the strength layer: one analysis, CalculiX on the same mesh, bridges in the loop, the fallback."""
+
+from __future__ import annotations
+
+import random
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from perfqr_cad.pattern import Pattern, PatternSpec, build
+from perfqr_cad.structure import MATERIALS, Pressure, Support, analyse, calculix, verify_solid
+from perfqr_cad.structure.analysis import MESH_SIZE_MODULES, prepare
+from perfqr_cad.structure.bars import couplings
+from perfqr_cad.structure.candidates import lattice_candidates
+from perfqr_cad.structure.reanalysis import Reanalysis
+from perfqr_cad.structure.solvers import Cholmod, SuperLU, cholmod, factorise
+from perfqr_cad.surface import Plane
+from perfqr_cad.symbol import encode
+from perfqr_cad.table import Table
+
+SIZE_MM, THICKNESS_MM = 140.0, 2.0
+PRESSURE = Pressure(13e-6)  # where Algorithm 1 begins to act on this plate at the paper's χ
+NOZZLE_MM = 0.4
+BRIDGES = 20
+PAYLOAD = {8: 140, 40: 1900}  # characters of a random text that fill the version
+SEED = 1
+
+
+def run() -> tuple[Table, Table]:
+    """Seconds of each piece beside its target, and results beside those of the solid and of CalculiX."""
+    pattern = _pattern(8)
+    placement = Plane(THICKNESS_MM)
+    best = Cholmod.name if cholmod() else SuperLU.name
+
+    def field(solver: str, refinement: float = 1.0) -> Any:
+        size = MESH_SIZE_MODULES * pattern.module_mm / refinement
+        return analyse(
+            pattern, placement, load=PRESSURE, nozzle_mm=NOZZLE_MM, mesh_size_mm=size, solver=solver
+        )
+
+    field(best)  # imports
+    one_s, answer = _timed(lambda: field(best))
+    fallback_s, fallback = _timed(lambda: field(SuperLU.name))
+    again_s, bridge_s = _loop(pattern, best)
+    rows: list[tuple[Any, ...]] = [
+        (f"version 8, {answer.unknowns} unknowns, {best}", one_s, 1.0, 1.5),
+        (f"the same, {SuperLU.name}", fallback_s, fallback_s / one_s, 4.5),
+        ("loop model: mesh, assemble, factorise", again_s, again_s / one_s, None),
+        ("one bridge in the loop", bridge_s, bridge_s / one_s, 0.03),
+        ("mesh and factorise again, over one bridge", again_s / bridge_s, None, 40.0),
+    ]
+    results: list[tuple[Any, ...]] = [
+        ("shell", answer.max_deflection_mm, answer.max_stress_mpa, answer.unknowns),
+        (f"shell, {SuperLU.name}", fallback.max_deflection_mm, fallback.max_stress_mpa, fallback.unknowns),
+    ]
+    solid = verify_solid(pattern, placement, load=PRESSURE, nozzle_mm=NOZZLE_MM)
+    results.append(("shell, solid check's mesh", solid.shell_deflection_mm, solid.shell_stress_mpa, None))
+    results.append(
+        ("18-node wedge, same mesh", solid.solid_deflection_mm, solid.solid_stress_mpa, solid.unknowns)
+    )
+    if calculix.installed():
+        model = _model(pattern)
+        shell_s, _ = _timed(lambda: factorise(model.lower(), best).solve(model.pressure_forces(1.0)))
+        ccx_s, theirs = _timed(lambda: calculix.solve(model, PRESSURE.pressure_mpa))
+        rows.append(("CalculiX C3D15 on the same mesh", ccx_s, ccx_s / shell_s, 6.0))
+        largest = float(np.abs(theirs.displacement[:, 2]).max())
+        results.append(("CalculiX C3D15, same mesh", largest, None, theirs.displacement.size))
+    notes = ("CalculiX is compared with assembling, factorising and solving of the shell on its mesh",)
+    return (
+        Table(
+            "structure: time", ("case", "seconds or ratio", "of one analysis", "target"), tuple(rows), notes
+        ),
+        Table("structure: result", ("model", "deflection mm", "stress MPa", "unknowns"), tuple(results)),
+    )
+
+
+def _pattern(version: int) -> Pattern:
+    letters = random.Random(SEED)
+    text = "".join(letters.choice("abcdefghijkXYZ0123456789") for _ in range(PAYLOAD[version]))
+    return build(encode(text, version=version), PatternSpec(size_mm=SIZE_MM, nozzle_mm=NOZZLE_MM))
+
+
+def _model(pattern: Pattern) -> Any:
+    size = pattern.module_mm
+    return prepare(
+        pattern.polygon,
+        Plane(THICKNESS_MM),
+        MATERIALS["PLA"],
+        Support(),
+        nozzle_mm=NOZZLE_MM,
+        mesh_size_mm=size,
+        corner_size_mm=size,
+    )
+
+
+def _loop(pattern: Pattern, solver: str) -> tuple[float, float]:
+    """Seconds to mesh and factorise the loop's model, and to lay and re-analyse one bridge on it."""
+
+    def begin() -> Reanalysis:
+        model = _model(pattern)
+        forces = model.pressure_forces(PRESSURE.pressure_mpa)
+        return Reanalysis(model, factorise(model.lower(), solver), forces, NOZZLE_MM)
+
+    again_s, analysis = _timed(begin)
+    bars = lattice_candidates(pattern, (pattern.spec.web_mm,))
+    rows = np.linspace(0, len(bars) - 1, BRIDGES).astype(int)
+    columns = [couplings(analysis.model, bars.take(row[None])) for row in rows]
+    laid_s, _ = _timed(lambda: [analysis.add(column) for column in columns])
+    return again_s, laid_s / BRIDGES
+
+
+def _timed(call: Callable[[], Any]) -> tuple[float, Any]:
+    start = time.perf_counter()
+    answer = call()
+    return time.perf_counter() - start, answer
