@@ -40,8 +40,8 @@ def run(out: Path, views: int = 20) -> Table:
         columns,
         rows,
         (
-            f"{views} scans a point from random sides, one frame each; "
-            f"part {shown.pattern.size_mm:.4g} mm, module {shown.pattern.module_mm:.3g} mm, 2 mm, upright walls",
+            f"{views} scans a point, one frame each; "
+            f"part {shown.pattern.size_mm:.4g} mm, modules {shown.pattern.module_mm:.3g} mm, upright walls",
             "the paper: part good to 20°, difficult beyond 30°; print good to 30°, none beyond 60°",
         ),
     )

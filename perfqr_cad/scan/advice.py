@@ -14,8 +14,8 @@ def sentences(report: ScanReport) -> tuple[str, ...]:
     walls = [r.name for r in report.decoders.values() if r.frontal and _short_of_flat(r)]
     if walls:
         lines.append(
-            "walls hide holes from the side: a 0.4 mm lip and 8 to 15° of draft behind it, or a thinner plate, "
-            "brings the tilt limit towards the flat print's"
+            "walls hide holes from the side: a 0.4 mm lip and 8 to 15° of draft behind it, or a thin plate, "
+            "brings the tilt limit up"
         )
     if "zxing-cpp" in walls:
         lines.append(

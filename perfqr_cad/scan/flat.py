@@ -18,7 +18,7 @@ LEAST_PX = 720  # edge of the printed picture: finer than the camera sees it
 
 @dataclass(frozen=True)
 class FlatPrint:
-    """Ink on paper: `light` (k, k) bool, quiet zone included, is as bright as the material, the rest as the ground."""
+    """Ink on paper: `light` (k, k) bool with the quiet zone; bright as the material, else as the ground."""
 
     light: NDArray[np.bool_]
     edge_mm: float

@@ -20,7 +20,7 @@ def warp(
     outside: float = 0.0,
     tile: bool = False,
 ) -> NDArray[Number]:
-    """The picture (h, w) under a homography (3, 3) from its (x, y) to those of a picture `size` (width, height).
+    """The picture (h, w) under a homography (3, 3) of its (x, y), as a picture of `size` (width, height).
 
     Bilinear; beyond the picture lies `outside`, or with `tile` the picture again.
     """

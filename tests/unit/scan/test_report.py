@@ -1,0 +1,115 @@
+"""Limits by tilt, the certificate's section, advice and the heat map; `perfqr scan PART` on files."""
+
+import importlib.util
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from perfqr_cad import scan
+from perfqr_cad.errors import AnalysisError, DesignError, KernelError
+from perfqr_cad.scan import DecoderResult, ScanReport
+from perfqr_cad.scan.advice import sentences
+
+_spec = importlib.util.spec_from_file_location("plates", Path(__file__).with_name("plates.py"))
+plates = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(plates)
+
+TILTS = (0.0, 20.0, 30.0, 45.0)
+ONCE = scan.Plan((0.0,), (65.0,))
+
+
+def result(name, rates, flat=(1.0, 1.0, 1.0, 1.0)) -> DecoderResult:
+    return DecoderResult(name, TILTS, rates, flat)
+
+
+def report(*results) -> ScanReport:
+    return ScanReport("text", {r.name: r for r in results}, {"black": 1.0})
+
+
+def test_the_limit_is_the_last_tilt_read_from_all_sides():
+    assert result("a", (1.0, 1.0, 0.5, 1.0)).max_tilt_deg == 20
+    assert result("a", (0.0, 1.0, 1.0, 1.0)).max_tilt_deg is None
+    assert not result("a", (0.0, 1.0, 1.0, 1.0)).frontal
+    assert result("a", (1.0,) * 4, None).flat_max_tilt_deg is None
+
+
+def test_as_dict_is_json_and_names_the_readers():
+    found = report(result("a", (1.0, 1.0, 0.5, 0.0)), result("b", (0.0, 0.0, 0.0, 0.0), None))
+    assert found.readers == ("a",)
+    section = json.loads(json.dumps(found.as_dict()))
+    assert section["decoders"]["a"]["max_tilt_deg"] == 20
+    assert section["decoders"]["b"]["flat_rates"] is None
+    assert "a" in found.render()
+
+
+def test_advice_names_what_falls_short_of_the_print():
+    lines = sentences(report(result("zxing-cpp", (1.0, 0.0, 0.0, 0.0)), result("zbar", (1.0,) * 4)))
+    assert any("zxing-cpp reads the part from all sides to 0°" in line for line in lines)
+    assert any("dark rings" in line for line in lines)
+    assert not any("zbar" in line for line in lines)
+    assert sentences(report(result("zbar", (1.0,) * 4))) == ()
+    neither = report(result("quirc", (0.0,) * 4, (0.0,) * 4))
+    assert sentences(neither) == ("quirc does not read the flat print of this code either",)
+
+
+def test_heat_map_shows_reads_and_misses_in_different_colours():
+    good = report(result("a", (1.0,) * 4)).heat_map()
+    bad = report(result("a", (0.0,) * 4)).heat_map()
+    assert good.shape == bad.shape
+    assert not np.array_equal(good, bad)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    import trimesh
+
+    folder = tmp_path_factory.mktemp("part")
+    made = plates.plate(plates.modules("perfqr", version=1), 30.0, 1.0)
+    trimesh.Trimesh(made.vertices, made.faces).export(folder / "part.stl")
+    certificate = {"payload": "perfqr", "files": [{"path": "elsewhere/part.stl"}]}
+    (folder / "design.json").write_text(json.dumps(certificate))
+    return folder
+
+
+def test_part_from_a_design_json_and_from_its_mesh(folder):
+    by_design = scan.part(folder / "design.json", plan=ONCE, decoders=("zbar",))
+    assert by_design.readers == ("zbar",)
+    assert by_design.payload == "perfqr"
+    found = scan.part(folder / "part.stl", plan=ONCE, decoders=("zxing-cpp", "zbar"))
+    assert found.payload == "perfqr"  # what both agree on
+    assert found.decoders["zbar"].flat_rates == (1.0,)
+
+
+def test_part_from_step_is_meshed_by_the_caller(folder):
+    step = folder / "part.step"
+    step.write_text("")
+    asked = []
+
+    def mesh_step(path):
+        asked.append(path)
+        return scan.load_mesh(folder / "part.stl")
+
+    assert scan.part(step, "perfqr", mesh_step=mesh_step, plan=ONCE, decoders=("zbar",)).readers == ("zbar",)
+    assert asked == [step]
+
+
+def test_what_is_no_part_is_refused(folder, tmp_path):
+    with pytest.raises(DesignError, match="is no part"):
+        scan.part(folder / "part.txt")
+    with pytest.raises(DesignError, match="is no part"):
+        scan.part(folder / "part.step")
+    (tmp_path / "design.json").write_text("{}")
+    with pytest.raises(DesignError, match="no certificate"):
+        scan.part(tmp_path / "design.json")
+    with pytest.raises(KernelError, match="does not exist"):
+        scan.part(tmp_path / "none.stl")
+
+
+def test_a_plate_without_a_code_needs_a_text(tmp_path):
+    import trimesh
+
+    trimesh.creation.box((30, 30, 1)).export(tmp_path / "blank.stl")
+    with pytest.raises(AnalysisError, match="read nothing"):
+        scan.part(tmp_path / "blank.stl", plan=ONCE, decoders=("zbar",))
