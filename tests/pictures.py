@@ -65,7 +65,9 @@ def plain(seed: int, version: int | None = None, level: str = "M", scale: int = 
     content = content[-10:] if version == 1 else content
     code = segno.make(content, version=version, error=level, micro=False, boost_error=False)
     squares = np.kron(np.pad(np.array(code.matrix), border), np.ones((scale, scale)))
-    return Sample(f"plain v{code.designator}", np.where(squares > 0, 0, 255).astype(np.uint8), content.encode())
+    return Sample(
+        f"plain v{code.designator}", np.where(squares > 0, 0, 255).astype(np.uint8), content.encode()
+    )
 
 
 def halftone(seed: int, module_px: int = 3) -> Sample:
@@ -158,7 +160,9 @@ def styled(seed: int) -> Sample:
     rng = np.random.default_rng(seed)
     content = text(seed, 12 + seed % 20)
     code = qrcode.QRCode(
-        error_correction=qrcode.constants.ERROR_CORRECT_H, border=int(rng.choice([1, 2, 4])), box_size=int(rng.integers(6, 14))
+        error_correction=qrcode.constants.ERROR_CORRECT_H,
+        border=int(rng.choice([1, 2, 4])),
+        box_size=int(rng.integers(6, 14)),
     )
     code.add_data(content)
     drawer = DRAWERS[seed % len(DRAWERS)]
@@ -193,7 +197,9 @@ def coloured(seed: int) -> Sample:
     scale = int(rng.integers(5, 10))
     dark = np.kron(code, np.ones((scale, scale), bool))
     noise = rng.uniform(-1, 1, (*dark.shape, 3))
-    inks = np.where(dark[..., None], rng.uniform([0, 0, 90], [60, 70, 190]), rng.uniform([200, 120, 60], [255, 190, 160]))
+    inks = np.where(
+        dark[..., None], rng.uniform([0, 0, 90], [60, 70, 190]), rng.uniform([200, 120, 60], [255, 190, 160])
+    )
     return Sample("dithered colour", np.clip(inks + 70 * noise, 0, 255).astype(np.uint8), content.encode())
 
 
@@ -225,6 +231,7 @@ def corpus(seed: int) -> Iterator[Sample]:
     yield rescaled(plain(seed, 6, border=0, scale=6), (0.25, 0.35, 0.5)[seed % 3])
 
 
+CORPUS_SIZE = 23
 ARTISTIC_OF_CORPUS = 13  # the first ones
 
 # What happens to pictures ---------------------------------------------------------------------------
@@ -238,15 +245,21 @@ def tilted(sample: Sample, seed: int, tilt_deg: float = 40.0, side: int = 700) -
     axis = np.array([np.cos(turn), np.sin(turn), 0.0])
     rotation = cv2.Rodrigues(axis * lean)[0] @ cv2.Rodrigues(np.array([0, 0, rng.uniform(-np.pi, np.pi)]))[0]
     height, width = picture.shape[:2]
-    corners = np.array([[-width, -height], [width, -height], [width, height], [-width, height]]) / max(width, height)
+    corners = np.array([[-width, -height], [width, -height], [width, height], [-width, height]]) / max(
+        width, height
+    )
     space = np.pad(corners, ((0, 0), (0, 1))) @ rotation.T
     view = space[:, :2] / (space[:, 2:] + 4.0) * (4.0 * side * 0.36) + side / 2
     pixels = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32) - 0.5
     warp = cv2.getPerspectiveTransform(pixels, view.astype(np.float32))
     ground = np.array(photo(seed + 1, side))
     # Area averaging: a camera does not alias.
-    big = cv2.warpPerspective(picture, np.diag([2, 2, 1.0]) @ warp, (2 * side, 2 * side), flags=cv2.INTER_LINEAR)
-    cover = cv2.warpPerspective(np.full((height, width), 255, np.uint8), np.diag([2, 2, 1.0]) @ warp, (2 * side, 2 * side))
+    big = cv2.warpPerspective(
+        picture, np.diag([2, 2, 1.0]) @ warp, (2 * side, 2 * side), flags=cv2.INTER_LINEAR
+    )
+    cover = cv2.warpPerspective(
+        np.full((height, width), 255, np.uint8), np.diag([2, 2, 1.0]) @ warp, (2 * side, 2 * side)
+    )
     seen = cv2.resize(big, (side, side), interpolation=cv2.INTER_AREA).astype(float)
     share = cv2.resize(cover, (side, side), interpolation=cv2.INTER_AREA)[..., None] / 255.0
     mixed = seen * share + ground * (1 - share)
@@ -271,12 +284,17 @@ def curved(sample: Sample, bend: float = 0.8, side: int = 700) -> Sample:
     angle = np.arcsin(np.clip(x / distance * depth / radius, -1, 1))
     u, v = angle / bend, y / distance * depth
     inside = hit & (np.abs(u) <= 1) & (np.abs(v) <= 1)
-    columns, rows = ((u + 1) / 2 * width - 0.5).astype(np.float32), ((v + 1) / 2 * height - 0.5).astype(np.float32)
+    columns, rows = (
+        ((u + 1) / 2 * width - 0.5).astype(np.float32),
+        ((v + 1) / 2 * height - 0.5).astype(np.float32),
+    )
     seen = cv2.remap(picture, columns, rows, cv2.INTER_LINEAR)
     return _named(sample, f"curved {bend:g}", np.where(inside[..., None], seen, 90).astype(np.uint8))
 
 
-def degraded(sample: Sample, seed: int, blur_px: float = 1.0, noise: float = 10.0, quality: int = 60) -> Sample:
+def degraded(
+    sample: Sample, seed: int, blur_px: float = 1.0, noise: float = 10.0, quality: int = 60
+) -> Sample:
     """Out of focus, noisy and compressed."""
     rng = np.random.default_rng(seed)
     soft = cv2.GaussianBlur(_rgb(sample.picture).astype(np.float32), (0, 0), blur_px)

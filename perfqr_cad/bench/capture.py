@@ -57,8 +57,8 @@ def run() -> Table:
         tuple(rows),
         (
             "wrong: payloads read, none of which is the right one",
-            "the decoders get the luminance that this package reads from the file; perfqr's time is that of the "
-            "whole capture, with its art",
+            "the decoders get the luminance that this package reads from the file; perfqr's time is that of "
+            "the whole capture, with its art",
         ),
     )
 

@@ -26,7 +26,9 @@ HALFTONE_SCALES = (2, 3, 4, 5, 6)
 BLURS = (0.03, 0.06, 0.1, 0.16, 0.24, 0.34)  # σ of the picture's edges in modules, to choose from
 BLUR_MODULES = 14  # side of the corner that the blur is measured in: the first finder and the timing lines
 BLUR_SHARES = (1.0, 0.7, 1.4)  # the art's edges may be softer or harder than those of the function patterns
-PLAIN_RESIDUAL = 0.06  # of the art's energy, in mean neighbourhoods; plain photographs reach 0.05, styled codes 0.08
+PLAIN_RESIDUAL = (
+    0.06  # of the art's energy, in mean neighbourhoods; plain photographs reach 0.05, styled codes 0.08
+)
 BLURRED_MODULES = 0.2  # a picture blurred by more does not show whether corners are round:
 BLURRED_RESIDUAL = 0.13  # squares are assumed
 HALFTONE_RESIDUAL = 0.25  # of the art's energy: above it no k × k grid explains the picture
@@ -139,6 +141,8 @@ def _halftone_scale(shade: Floats32, known: NDArray[np.bool_], blur: float) -> i
     for scale, residual in left.items():
         smaller = [left[other] for other in HALFTONE_SCALES if other < scale]
         following = [left[other] for other in HALFTONE_SCALES if other == scale + 1]
-        if residual <= HALFTONE_RESIDUAL and all(residual <= HALFTONE_GAIN * one for one in smaller + following):
+        if residual <= HALFTONE_RESIDUAL and all(
+            residual <= HALFTONE_GAIN * one for one in smaller + following
+        ):
             return scale
     return None

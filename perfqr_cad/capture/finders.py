@@ -1,4 +1,4 @@
-"""Finder patterns by their 1:1:3:1:1 profile (ISO/IEC 18004 §6.3.3), and triples of them that may be a symbol."""
+"""Finder patterns by their 1:1:3:1:1 profile (ISO/IEC 18004 §6.3.3), and triples that may be a symbol."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from perfqr_cad.capture.grid import Floats, cross
-from perfqr_cad.symbol import size_of, version_of
+from perfqr_cad.symbol import size_of
 
 PROFILE = np.array([1, 1, 3, 1, 1]) / 7.0
 PROFILE_TOLERANCE = np.array([0.6, 0.6, 1.1, 0.6, 0.6]) / 7.0  # of the whole run: half a module, and a little
-LEAST_RUN_PX = 6.0  # a finder of 7 modules at 0.9 px
+LEAST_RUN_PX = 9.0  # a finder of 7 modules at 1.3 px; smaller ones are found in enlarged pictures
 CLUSTER_MODULES = 1.2  # hits nearer than this belong to one finder
 CROSSING_MODULES = 1.0  # between the centres found along rows and along columns
 LEAST_SUPPORT = 0.3  # of the three modules of scan lines that cross a finder's core
@@ -39,7 +39,7 @@ class Finder:
 
 @dataclass(frozen=True, eq=False)
 class Triple:
-    """Top-left, top-right and bottom-left finders and the sizes in modules that they allow, likeliest first."""
+    """Top-left, top-right and bottom-left finders, and the sizes in modules they allow, likeliest first."""
 
     centres: Floats
     sizes: tuple[int, ...]
@@ -69,7 +69,7 @@ def _finders(dark: NDArray[np.bool_]) -> list[Finder]:
     near = cKDTree(columns[:, :2])
     found: list[Finder] = []
     for cluster in _clusters(rows):
-        if len(cluster) < LEAST_SUPPORT * 3 * cluster[0, 2] / 7:
+        if len(cluster) < max(2.0, LEAST_SUPPORT * 3 * cluster[0, 2] / 7):
             continue
         x, y, width = np.median(cluster, axis=0)
         module = width / 7
@@ -98,7 +98,9 @@ def _hits(dark: NDArray[np.bool_]) -> NDArray[np.float64]:
     length = ends[:, 5] - ends[:, 0]
     same_row = starts // (width + 2) == (edges[5::2][: len(starts)] - 1) // (width + 2)
     good = same_row & (length >= LEAST_RUN_PX)
-    good &= np.all(np.abs(runs - PROFILE * length[:, None]) <= PROFILE_TOLERANCE * length[:, None] + 0.5, axis=1)
+    good &= np.all(
+        np.abs(runs - PROFILE * length[:, None]) <= PROFILE_TOLERANCE * length[:, None] + 0.5, axis=1
+    )
     y, x = np.divmod((ends[good, 2] + ends[good, 3]) / 2, width + 2)
     return np.stack([x - 1.5, y, length[good]], axis=1)
 

@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.floating]
 
-CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])  # of a unit square, clockwise from top left
+CORNERS = np.array(
+    [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+)  # of a unit square, clockwise from top left
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +38,7 @@ class Grid:
 
     @classmethod
     def from_corners(cls, size: int, corners: ArrayLike) -> Grid:
-        """Grid whose outer corners (4, 2), clockwise from the one of the top-left finder, are given in pixels."""
+        """Grid with outer corners (4, 2) given in pixels, clockwise from the one of the top-left finder."""
         return cls.flat(size, homography_of(CORNERS * size, np.asarray(corners, np.float64)))
 
     def pixels(self, points: Floats) -> Floats:
@@ -99,7 +101,7 @@ def project(homography: Floats, points: Floats) -> Floats:
 
 
 def look_up(image: NDArray[Any], points: Floats) -> NDArray[np.float32]:
-    """(r, c, …) bilinear values of an (h, w[, 3]) image at (r, c, 2) pixel coordinates; edges are repeated."""
+    """(r, c, …) bilinear values of an (h, w[, 3]) image at (r, c, 2) pixel coordinates; edges repeat."""
     at = np.ascontiguousarray(points, np.float32)
     values = cv2.remap(image, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return values.astype(np.float32, copy=False)

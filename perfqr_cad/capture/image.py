@@ -49,8 +49,8 @@ def load_image(source: str | Path | bytes | NDArray[Any]) -> Picture:
     height, width = picture.shape[:2]
     if min(height, width) < MIN_SIDE_PX:
         raise CaptureError(
-            f"a picture of {width} × {height} px holds no code: the smallest has {MIN_SIDE_PX} modules a side; "
-            "use a larger picture"
+            f"a picture of {width} × {height} px holds no code: the smallest has {MIN_SIDE_PX} modules a "
+            "side; use a larger picture"
         )
     return picture
 
@@ -72,7 +72,9 @@ def _content(source: str | Path | bytes) -> tuple[bytes, str]:
             raise CaptureError(f"{path} has {size} bytes, the limit is {MAX_FILE_BYTES}: reduce the picture")
         return path.read_bytes(), str(path)
     except OSError as error:
-        raise CaptureError(f"{path} cannot be read ({error.strerror}): name an existing picture file") from error
+        raise CaptureError(
+            f"{path} cannot be read ({error.strerror}): name an existing picture file"
+        ) from error
 
 
 def _from_file(content: bytes, name: str) -> Picture:
@@ -86,7 +88,9 @@ def _from_file(content: bytes, name: str) -> Picture:
     except Image.DecompressionBombError as error:
         raise CaptureError(f"{name} has more than {MAX_PIXELS} pixels: reduce the picture") from error
     except UnidentifiedImageError as error:
-        raise CaptureError(f"{name} is no picture that can be opened: use PNG, JPEG, GIF, TIFF, WebP or SVG") from error
+        raise CaptureError(
+            f"{name} is no picture that can be opened: use PNG, JPEG, GIF, TIFF, WebP or SVG"
+        ) from error
     # Pillow's decoders raise these for damaged files.
     except (OSError, SyntaxError, ValueError, EOFError, IndexError, MemoryError, OverflowError) as error:
         raise CaptureError(f"{name} is damaged ({_one_line(error)}): save the picture again") from error
@@ -95,13 +99,17 @@ def _from_file(content: bytes, name: str) -> Picture:
 def _check_size(width: int, height: int, name: str) -> None:
     if width * height > MAX_PIXELS:
         raise CaptureError(
-            f"{name} has {width} × {height} = {width * height} pixels, the limit is {MAX_PIXELS}: reduce the picture"
+            f"{name} has {width} × {height} = {width * height} pixels, the limit is "
+            f"{MAX_PIXELS}: reduce the picture"
         )
 
 
 def _upright_reduced(image: Image.Image) -> Image.Image:
     """First frame, at most `WORK_PIXELS` large, turned as its EXIF orientation says."""
-    image.draft("RGB" if image.mode != "L" else "L", (image.width // _reduction(image), image.height // _reduction(image)))
+    image.draft(
+        "RGB" if image.mode != "L" else "L",
+        (image.width // _reduction(image), image.height // _reduction(image)),
+    )
     image.load()
     if image.mode in ("I", "F") or image.mode.startswith("I;16"):
         image = Image.fromarray(_eight_bits(np.asarray(image)))
@@ -154,8 +162,14 @@ def _eight_bits(values: NDArray[Any]) -> Picture:
 
 
 def _from_array(values: NDArray[Any]) -> Picture:
-    if values.ndim not in (2, 3) or (values.ndim == 3 and values.shape[2] not in (1, 3, 4)) or values.size == 0:
-        raise CaptureError(f"an array of shape {values.shape} is no picture: give (h, w), (h, w, 3) or (h, w, 4)")
+    if (
+        values.ndim not in (2, 3)
+        or (values.ndim == 3 and values.shape[2] not in (1, 3, 4))
+        or values.size == 0
+    ):
+        raise CaptureError(
+            f"an array of shape {values.shape} is no picture: give (h, w), (h, w, 3) or (h, w, 4)"
+        )
     _check_size(values.shape[1], values.shape[0], "the array")
     picture = _eight_bits(values)
     if picture.ndim == 3 and picture.shape[2] == 1:
@@ -184,7 +198,9 @@ def _from_svg(content: bytes, name: str) -> Picture:
             skip_system_fonts=True,
         )
     except ValueError as error:
-        raise CaptureError(f"{name} is no SVG that can be drawn ({_one_line(error)}): save it again") from error
+        raise CaptureError(
+            f"{name} is no SVG that can be drawn ({_one_line(error)}): save it again"
+        ) from error
     return _from_file(png, name)
 
 
@@ -204,14 +220,20 @@ def _svg_proportions(text: str, name: str) -> tuple[float, float]:
     """Width and height of the drawing in its own units, from the view box or the two attributes."""
     try:
         for _, root in ET.iterparse(io.StringIO(text), events=("start",)):
-            sizes = root.get("viewBox", "").replace(",", " ").split()[2:4] or [root.get("width"), root.get("height")]
+            sizes = root.get("viewBox", "").replace(",", " ").split()[2:4] or [
+                root.get("width"),
+                root.get("height"),
+            ]
             width, height = (float(str(size).rstrip("%ptxmcinPTXMCIN")) for size in sizes)
             if 0 < width <= MAX_SVG_UNITS and 0 < height <= MAX_SVG_UNITS:
                 return width, height
             break
     except (ET.ParseError, ValueError):
         pass
-    raise CaptureError(f"{name} has no size between 0 and {MAX_SVG_UNITS:g} units: give the SVG a viewBox or width and height")
+    raise CaptureError(
+        f"{name} has no size between 0 and {MAX_SVG_UNITS:g} units: give the SVG a viewBox or "
+        "width and height"
+    )
 
 
 def _one_line(error: BaseException) -> str:

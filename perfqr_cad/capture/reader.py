@@ -1,4 +1,4 @@
-"""From a picture to a code. Guesses of its place come cheap ones first; each is fitted, sampled and corrected.
+"""From a picture to a code. Guesses of its place come cheap ones first, to be fitted, sampled and corrected.
 
 A guess becomes a capture only when its function patterns fit, every block is corrected within what the
 standard allows, and the symbol so found agrees with what was seen. Decoders only lend their eyes: the
@@ -37,10 +37,11 @@ from perfqr_cad.symbol import Matrix, Recovery, format_candidates, layout, recov
 RECTIFIED_MODULE_PX = 12
 LEAST_LIKENESS = 0.25  # the same of the finders alone, before the grid is fitted
 LEAST_FIT = 0.35  # correlation with the function patterns; noise and text stay below 0.3
+FLAT_FIT = 0.93  # a page that fits so well flat is not bent
 GOOD_FIT = 0.6  # from here on a failure says that the code is damaged, not that there is none
 SIZES_TRIED = 3  # of those that fit best, for a seed that does not know its size
 SEEDS_TRIED = 150  # these two bound the time spent on a picture without a readable code
-CORRECTIONS_TRIED = 12
+CORRECTIONS_TRIED = 8
 LEAST_AGREEMENT = 0.6  # of the modules with the corrected symbol; by chance it is 0.5 ± 0.02
 FORMAT_UNREADABLE = 15  # all bits of the format information
 SAME_PLACE = 0.12  # of a symbol's side: seeds nearer than this are one
@@ -142,24 +143,28 @@ def _starts(grey: Picture, seed: Seed) -> list[tuple[Workspace, Grid]]:
     """Grids to begin with: of the given size, or of those whose finders look most like the picture."""
     sizes = seed.sizes or tuple(size_of(version) for version in range(1, 41))
     turns = range(1 if seed.oriented else 4)
-    grids = [Grid.from_corners(size, np.roll(seed.corners(size), -k, axis=0)) for size in sizes for k in turns]
+    grids = [
+        Grid.from_corners(size, np.roll(seed.corners(size), -k, axis=0)) for size in sizes for k in turns
+    ]
     grids = [grid for grid in grids if grid.module_px > 0]
     if len(grids) <= 1:
         return [(workspace(grey, grid), grid) for grid in grids]
     middle = sorted(grids, key=lambda grid: grid.size)[len(grids) // 2]
     space = workspace(grey, middle)
     likeness = {id(grid): abs(correlation(space, grid, "finders")) for grid in grids}
-    grids = sorted((one for one in grids if likeness[id(one)] >= LEAST_LIKENESS), key=lambda one: -likeness[id(one)])
+    grids = sorted(
+        (one for one in grids if likeness[id(one)] >= LEAST_LIKENESS), key=lambda one: -likeness[id(one)]
+    )
     return [(workspace(grey, grid), grid) for grid in grids[:SIZES_TRIED]]
 
 
 def _corrected(
     picture: Picture, space: Workspace, grid: Grid, fit: float, seed: Seed, sampling: Sampling
 ) -> _Found:
-    """The symbol on this grid, on a bent one, or in another colour. SymbolError of the first try when none is."""
+    """The symbol on this grid, on a bent one, or in another colour; else SymbolError of the first try."""
     first: SymbolError | None = None
     best: _Found | None = None
-    for candidate in _shapes(space, grid, seed):
+    for candidate in _shapes(space, grid, fit, seed):
         for _, shade in projections(picture, candidate, fit < 0):
             try:
                 found = _recovered(shade, candidate, seed, sampling)
@@ -176,9 +181,11 @@ def _corrected(
     return best
 
 
-def _shapes(space: Workspace, grid: Grid, seed: Seed) -> Iterator[Grid]:
+def _shapes(space: Workspace, grid: Grid, fit: float, seed: Seed) -> Iterator[Grid]:
     """The flat grid, then grids bent as the page may be."""
     yield grid
+    if abs(fit) >= FLAT_FIT:
+        return
     yield bent(space, grid)
     if len(seed.places) == 3:
         yield bent(space, Grid.from_corners(grid.size, seed.corners(grid.size)))
@@ -254,6 +261,6 @@ def _failure(source: str | Path | bytes | NDArray[Any], picture: Picture, fit: f
         return f"the code in {name} cannot be read: {damage}"
     height, width = picture.shape[:2]
     return (
-        f"no QR code found in {name} ({width} × {height} pixels): take a sharper, straighter or larger picture "
-        "with all three finder patterns in it"
+        f"no QR code found in {name} ({width} × {height} pixels): take a sharper, straighter or larger "
+        "picture with all three finder patterns in it"
     )

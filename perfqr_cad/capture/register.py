@@ -1,7 +1,8 @@
 """Fits the grid to the function patterns of the picture: inverse compositional Lucas-Kanade.
 
 The template is what ISO/IEC 18004 §6.3 fixes before any data is known: finders, separators, timing,
-alignment patterns and version information. Baker and Matthews, "Lucas-Kanade 20 Years On", IJCV 56 (2004), §3.2.
+alignment patterns and version information. Baker and Matthews,
+"Lucas-Kanade 20 Years On", IJCV 56 (2004), §3.2.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.capture.grid import CORNERS, Floats, Grid, look_up
+from perfqr_cad.capture.grid import Floats, Grid, look_up
 from perfqr_cad.symbol import Role, layout
 
 SPACING = 3  # template samples along a module
@@ -115,7 +116,9 @@ def _descend(image: NDArray[np.float32], grid: Grid, known: Template, iterations
     weights = np.linalg.pinv(known.jacobian.T @ known.jacobian + 1e-6 * np.eye(8)) @ known.jacobian.T
     for _ in range(iterations):
         seen = look_up(image, grid.pixels(known.points)[None])[0].astype(np.float64)
-        contrast = np.dot(seen - seen.mean(), known.values - known.values.mean()) / max(seen.var() * seen.size, 1e-9)
+        contrast = np.dot(seen - seen.mean(), known.values - known.values.mean()) / max(
+            seen.var() * seen.size, 1e-9
+        )
         if contrast <= 0:
             break
         residual = contrast * (seen - seen.mean()) + known.values.mean() - known.values

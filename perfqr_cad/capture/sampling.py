@@ -27,7 +27,7 @@ MAX_LOG_LIKELIHOOD = 12.0  # a chance of 6e-6 that a clear module lies: dirt, a 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Values of the modules: `mean` (n, n) Gaussian mean over the centre third, `votes` (n, n, p) single points."""
+    """Values of the modules: `mean` (n, n) over the Gaussian points, `votes` (n, n, p) at each of them."""
 
     mean: NDArray[np.float64]
     votes: NDArray[np.float32]
@@ -64,7 +64,9 @@ def global_threshold(image: NDArray[np.uint8]) -> float:
     split, _ = cv2.threshold(image, 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
     count = np.bincount(image.ravel(), minlength=256)
     grey, below = np.arange(256), np.arange(256) <= split
-    means = [float(np.dot(count[part], grey[part])) / max(int(count[part].sum()), 1) for part in (below, ~below)]
+    means = [
+        float(np.dot(count[part], grey[part])) / max(int(count[part].sum()), 1) for part in (below, ~below)
+    ]
     return sum(means) / 2
 
 
@@ -78,7 +80,7 @@ def vote_log_likelihood(samples: Samples, threshold: float) -> NDArray[np.float6
 def soft_log_likelihood(
     samples: Samples, light: NDArray[np.float64], dark: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """(n, n) ln(P(dark)/P(light)): distance to the levels of dark and light around the module, over the noise."""
+    """(n, n) ln(P(dark)/P(light)): place between the levels of dark and light nearby, over the noise."""
     value = samples.mean
     contrast = np.maximum(light - dark, 1e-3)
     middle = (light + dark) / 2

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from perfqr_cad.capture.grid import Floats
 from perfqr_cad.symbol import size_of
 
+_MODEL_2: Any = zxingcpp.BarcodeFormat.QRCodeModel2  # its stubs want the plural type
+
 
 @dataclass(frozen=True, eq=False)
 class Seed:
@@ -45,14 +47,16 @@ class Seed:
 
 def zxing_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
     """What zxing-cpp finds in a grey picture, codes that it could not decode included."""
-    found = zxingcpp.read_barcodes(image, formats=zxingcpp.BarcodeFormat.QRCodeModel2, return_errors=True)
+    found = zxingcpp.read_barcodes(image, formats=_MODEL_2, return_errors=True)
     for code in sorted(found, key=lambda one: not one.valid):
         place = code.position
         points = (place.top_left, place.top_right, place.bottom_right, place.bottom_left)
         corners = np.array([(point.x, point.y) for point in points], np.float64)
-        extra: dict[str, Any] = code.extra or {}
+        extra: Any = code.extra or {}
         version = str(extra.get("Version", ""))
-        sizes = (size_of(int(version)),) if version.isdigit() else ()  # "M3" and "R7x43" are other symbologies
+        sizes = (
+            (size_of(int(version)),) if version.isdigit() else ()
+        )  # "M3" and "R7x43" are other symbologies
         yield Seed("zxing-cpp", corners, sizes, bytes(code.bytes) if code.valid else None, True)
 
 
@@ -69,9 +73,10 @@ def wechat_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
 def opencv_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
     """What OpenCV's own detector finds; its straightened code tells the size."""
     try:
-        text, corners, straight = cv2.QRCodeDetector().detectAndDecode(image)
+        found: Any = cv2.QRCodeDetector().detectAndDecode(image)
     except (UnicodeDecodeError, cv2.error):  # on payloads that are not UTF-8, and on degenerate outlines
         return
+    text, corners, straight = found
     if corners is None:
         return
     size = 0 if straight is None else int(straight.shape[0])
@@ -81,4 +86,5 @@ def opencv_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
 
 @cache
 def _wechat() -> Any:
-    return cv2.wechat_qrcode_WeChatQRCode()
+    opencv: Any = cv2  # its stubs leave the contributed modules out
+    return opencv.wechat_qrcode_WeChatQRCode()

@@ -1,4 +1,4 @@
-"""Grey pictures in which a code may be easier to find or to sample than in the luminance; cheap ones first."""
+"""Grey pictures in which a code may be easier to find or to sample than in the luminance; cheap first."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def searched(grey: Picture) -> Iterator[tuple[str, Picture, Floats]]:
     for blur in (1.5, 3.0):
         yield f"blurred {blur:g}", _blurred(grey, blur), np.eye(3)
     yield "halved", *_resized(grey, 0.5)
-    yield "equalised", cv2.createCLAHE(4.0, _tiles(grey)).apply(grey), np.eye(3)
+    yield "equalised", np.asarray(cv2.createCLAHE(4.0, _tiles(grey)).apply(grey), np.uint8), np.eye(3)
     for blur in (5.0, 8.0):
         yield f"blurred {blur:g}", _blurred(grey, blur), np.eye(3)
     yield "quartered", *_resized(grey, 0.25)
@@ -85,7 +85,9 @@ def projections(picture: Picture, grid: Grid, inverted: bool) -> Iterator[tuple[
 def _discriminant(picture: Picture, grid: Grid) -> Picture:
     known, dark = known_modules(grid.size, "all")
     rows, columns = np.nonzero(known)
-    colours = look_up(picture, grid.pixels(np.stack([columns + 0.5, rows + 0.5], axis=1))[None])[0].astype(np.float64)
+    colours = look_up(picture, grid.pixels(np.stack([columns + 0.5, rows + 0.5], axis=1))[None])[0].astype(
+        np.float64
+    )
     is_dark = dark[rows, columns]
     light_ones, dark_ones = colours[~is_dark], colours[is_dark]
     scatter = np.cov(light_ones.T) + np.cov(dark_ones.T) + 4.0 * np.eye(3)  # 2 grey levels of camera noise

@@ -40,7 +40,7 @@ EDGE_ROUNDS = 3
 
 @dataclass(frozen=True, eq=False)
 class Landmark:
-    """Centre (2,) in modules; which modules around it are known, and their colours: offsets (m, 2), light (m,) ±1."""
+    """Centre (2,) in modules; (m, 2) offsets to samples of known modules, and their light (m,), ±1."""
 
     centre: Floats
     offsets: Floats
@@ -50,7 +50,7 @@ class Landmark:
 def bent(space: Workspace, grid: Grid) -> Grid:
     """The grid with the warp that the picture shows."""
     inside = replace(grid, homography=space.transform @ grid.homography)
-    image = cv2.GaussianBlur(space.image, (0, 0), BLUR_MODULES * WORK_MODULE_PX)
+    image = np.asarray(cv2.GaussianBlur(space.image, (0, 0), BLUR_MODULES * WORK_MODULE_PX), np.float32)
     inside = _grown(image, inside, *_at_finders(image, inside))
     for _ in range(EDGE_ROUNDS):
         inside = _on_edges(space.image, inside)
@@ -111,7 +111,9 @@ def _phase(image: NDArray[np.float32], grid: Grid, nodes: Floats, start: Floats)
     points = nodes[:, None, None] + about
     inside = np.all((points > 0) & (points < grid.size), axis=-1)
     moved = points + start[:, None, None]
-    seen = look_up(image, project(grid.homography, moved).reshape(len(nodes), -1, 2)).reshape(points.shape[:3])
+    seen = look_up(image, project(grid.homography, moved).reshape(len(nodes), -1, 2)).reshape(
+        points.shape[:3]
+    )
     window = np.exp(-np.sum(about**2, axis=-1) / (2 * (PATCH_MODULES / 3) ** 2)) * inside
     total = np.empty((len(nodes), 2))
     turned = np.empty((len(nodes), 2), complex)
@@ -160,7 +162,7 @@ def _landmark(centre: Floats, radius: float, size: int) -> Landmark:
 
 
 def _found(image: NDArray[np.float32], grid: Grid, mark: Landmark, start: Floats) -> Floats | None:
-    """Displacement in modules at which the landmark is seen best, or None when it is not seen near `start`."""
+    """Displacement in modules at which the landmark is seen best; None when it is not seen near `start`."""
     reach = round(REACH * STEP)
     steps = np.arange(-reach, reach + 1) / STEP
     dx, dy = np.meshgrid(steps, steps)
@@ -221,7 +223,8 @@ def _on_edges(image: NDArray[np.float32], grid: Grid) -> Grid:
         turn = np.exp(2j * np.pi * points[..., along])
         window = (0, 0), EDGE_WINDOW_MODULES * scale
         real, imaginary, total = (
-            cv2.GaussianBlur(part.astype(np.float32), *window) for part in (edge * turn.real, edge * turn.imag, edge)
+            cv2.GaussianBlur(part.astype(np.float32), *window)
+            for part in (edge * turn.real, edge * turn.imag, edge)
         )
         coherence = np.hypot(real, imaginary) / np.maximum(total, 1e-6)
         corrections.append(_trust(coherence) * np.arctan2(imaginary, real) / (2 * np.pi))

@@ -45,7 +45,7 @@ def test_versions(version: int, sampling: reader.Sampling) -> None:
     ],
     ids=["inverted", "mirrored", "both", "turned", "tilted", "blurred", "curved"],
 )
-def test_what_happens_to_pictures(change) -> None:  # noqa: ANN001
+def test_what_happens_to_pictures(change) -> None:
     sample = change(pictures.plain(3, 6, scale=8))
     found = read(sample.picture)
     assert found.recovery.payload.data == sample.payload
