@@ -30,7 +30,7 @@ QUIET_PRICE = 8.0  # expected misread modules for a module's area of material in
 LENGTH_PRICE = 1e-3  # of the area price: of two routes that cost the same, the shorter
 STEPS_PER_MODULE = 4
 MOST_CONFLICT_ROUNDS = 6
-STAR_QUANTILE = 0.9  # of the tree's prices: no arm of a junction is dearer
+STAR_QUANTILE = 0.5  # of the tree's prices: no arm of a junction is dearer
 
 
 def join(

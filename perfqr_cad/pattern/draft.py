@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from perfqr_cad.pattern.bridge import Bridge, Stage
-from perfqr_cad.pattern.lattice import Cells, Lattice, checkerboards
+from perfqr_cad.pattern.lattice import Cells, Lattice, checkerboards, label
 from perfqr_cad.pattern.outline import Loop
 from perfqr_cad.pattern.sampling import brightness
 
@@ -71,7 +71,7 @@ class Draft:
         lattice = self.lattice.with_solid(change(self.solid, cells))
         return replace(self, lattice=lattice, upright=change(self.upright, cells))
 
-    def with_bars(self, bars: Iterable[Bar], stage: Stage) -> Draft:
+    def with_bars(self, bars: Iterable[Bar], stage: Stage, recess_mm: float = 0.0) -> Draft:
         """Upright bars painted solid. Bars over solid ground leave no trace."""
         solid, upright, laid = self.solid.copy(), self.upright.copy(), []
         for bar in bars:
@@ -79,7 +79,7 @@ class Draft:
                 continue
             at = np.s_[bar.rect.y0 : bar.rect.y1, bar.rect.x0 : bar.rect.x1]
             solid[at] = upright[at] = True
-            laid.append(self._bridge(shown, bar, stage))
+            laid.append(replace(self._bridge(shown, bar, stage), recess_mm=recess_mm))
         return replace(
             self, lattice=self.lattice.with_solid(solid), upright=upright, bridges=(*self.bridges, *laid)
         )
@@ -148,7 +148,9 @@ def strip(bridge: Bridge) -> list[tuple[float, float]]:
     ]
 
 
-def link_corners(draft: Draft, web_mm: float, gap_mm: float, right_solid: Cells) -> Draft:
+def link_corners(
+    draft: Draft, web_mm: float, gap_mm: float, right_solid: Cells, sparing: bool = False
+) -> Draft:
     """Joins solid cells that meet at a corner only, by a 45° band of the least web.
 
     A corner left as it is would be a non-manifold edge of the solid. The band takes a triangle from each of
@@ -156,8 +158,10 @@ def link_corners(draft: Draft, web_mm: float, gap_mm: float, right_solid: Cells)
     module wrong, the corner is parted by the least gap instead.
 
     right_solid  (n, n) modules that ought to be material
+    sparing      part also the corners of pieces that are joined already: fine art changes less by it
     """
-    parted: set[tuple[int, int]] = set()
+    parted = _superfluous(draft) if sparing else set[tuple[int, int]]()
+    linked = draft
     for _ in range(MAX_LINK_ROUNDS):
         linked = _linked(draft, web_mm, gap_mm, parted)
         harmed = ((brightness(draft.lattice) >= 0.5) == right_solid) & (
@@ -168,6 +172,27 @@ def link_corners(draft: Draft, web_mm: float, gap_mm: float, right_solid: Cells)
             return linked
         parted |= guilty
     return linked
+
+
+def _superfluous(draft: Draft) -> set[tuple[int, int]]:
+    """Corners, x and y, between pieces that other corners join."""
+    labels, _ = label(draft.upright)
+    leader: dict[int, int] = {}
+
+    def find(piece: int) -> int:
+        while leader.setdefault(piece, piece) != piece:
+            leader[piece] = piece = leader[leader[piece]]
+        return piece
+
+    spare: set[tuple[int, int]] = set()
+    for x, y in checkerboards(draft.upright).tolist():
+        falling = bool(draft.upright[y - 1, x - 1])
+        one, other = (labels[y - 1, x - 1], labels[y, x]) if falling else (labels[y - 1, x], labels[y, x - 1])
+        a, b = find(int(one)), find(int(other))
+        if a == b:
+            spare.add((x, y))
+        leader[a] = b
+    return spare
 
 
 def _corners_near(draft: Draft, modules: Cells) -> set[tuple[int, int]]:

@@ -41,15 +41,15 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     if spec.objective != "optimal":
         weight = spec.loss_weight if spec.objective == "paper" else 0.0
         draft, losses = join_paper(draft, symbol, spec.web_mm, weight, solid_is_dark, spec.seed)
-    draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
+    draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid, sparing=scale > 1)
     draft, optimality = join(draft, symbol, scale, spec.web_mm, solid_is_dark, spec.time_limit_s)
     if spec.objective != "optimal":
         optimality = None
     if not draft.shapes:
         draft = fill_slivers(draft, right_solid, gap)
     draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
-    draft = mended(draft, spec)
-    return finish(draft, Job(symbol, spec, islands, reason, optimality, losses))
+    draft, sound = mended(draft, spec)
+    return finish(draft, Job(symbol, spec, islands, reason, optimality, losses), sound)
 
 
 def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float) -> Draft:
@@ -86,7 +86,9 @@ def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
         return 0 <= x < lattice.cells and 0 <= y < lattice.cells and bool(lattice.solid[y, x])
 
     inverted = spec.tone == "inverted"
-    for bar in core_bars(symbol.version) if inverted else bars(symbol.version, spec.finder, solid):
+    width = 2 * half / u
+    chosen = core_bars(symbol.version, width) if inverted else bars(symbol.version, spec.finder, width, solid)
+    for bar in chosen:
         (x0, y0), (x1, y1) = ((round(edge + x * u), round(edge + y * u)) for x, y in (bar.start, bar.end))
         if x0 != x1 and y0 != y1:
             ends = lattice.to_mm(x0, y0), lattice.to_mm(x1, y1)
@@ -95,4 +97,4 @@ def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
             upright.append(Bar(Rect(x0 - half, y0, x0 + half, y1), along_x=False))
         else:
             upright.append(Bar(Rect(x0, y0 - half, x1, y0 + half), along_x=True))
-    return draft.with_bars(upright, "function")
+    return draft.with_bars(upright, "function", spec.recess_mm if spec.finder == "recessed" else 0.0)

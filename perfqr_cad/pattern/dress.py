@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 
+from perfqr_cad.pattern.lattice import after, before
 from perfqr_cad.pattern.outline import LEAST_MM, Arc, Bezier, Line, Loop, Point, Points, Region, Segment
 
+LEAST_EDGE_MM = 0.1  # a quarter of a nozzle: what no slicer resolves and every mesher stumbles over
 STRAIGHT_TURN_RAD = 1e-6  # a turn below this is rounding
 SMOOTH_TURN_RAD = math.radians(60)  # a sharper turn is a corner that the art meant
 SIMPLIFY_PART = 0.7  # of the tolerance goes into straightening stairs, the rest into rounding
@@ -28,26 +30,40 @@ def _filleted(loop: Loop, radius_mm: float) -> Loop:
     if not all(isinstance(segment, Line) for segment in loop.segments):
         return loop
     corners = np.array([segment.start for segment in loop.segments])
-    edges = np.roll(corners, -1, axis=0) - corners
+    edges = after(corners) - corners
     lengths = np.hypot(edges[:, 0], edges[:, 1])
-    before = np.roll(edges, 1, axis=0)
-    turn = np.arctan2(before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0], (before * edges).sum(axis=1))
+    arriving = before(edges)
+    turn = np.arctan2(
+        arriving[:, 0] * edges[:, 1] - arriving[:, 1] * edges[:, 0], (arriving * edges).sum(axis=1)
+    )
     # The material lies on the left: a turn to the right is re-entrant.
     rounded = turn < -STRAIGHT_TURN_RAD
     tangent = np.tan(np.abs(turn) / 2)
-    after = np.where(np.roll(rounded, -1), lengths / 2, lengths)  # half where the next corner takes the rest
-    ahead = np.where(np.roll(rounded, 1), np.roll(lengths, 1) / 2, np.roll(lengths, 1))
-    room = np.minimum(after, ahead)
+    behind = np.where(after(rounded), lengths / 2, lengths)  # half where the next corner takes the rest
+    ahead = np.where(before(rounded), before(lengths) / 2, before(lengths))
+    room = np.minimum(behind, ahead)
     cut = np.where(rounded, np.minimum(radius_mm * tangent, room), 0.0)
-    cut[cut < 10 * LEAST_MM] = 0.0
+    cut = _without_remnants(cut, lengths)
+    cut[cut < LEAST_EDGE_MM / 2] = 0.0
     return Loop(tuple(_segments(corners, edges / lengths[:, None], cut, tangent)))
+
+
+def _without_remnants(cut: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Cuts reduced where they would leave a straight remnant too short to be meshed or offset."""
+    for _ in range(2):  # the two ends of an edge may both give way
+        taken = cut + after(cut)
+        rest = lengths - taken
+        short = (rest > LEAST_MM) & (rest < LEAST_EDGE_MM) & (taken > 0)
+        factor = np.where(short, np.maximum(lengths - LEAST_EDGE_MM, 0) / np.maximum(taken, LEAST_MM), 1.0)
+        cut = cut * np.minimum(factor, before(factor))
+    return cut
 
 
 def _segments(corners: Points, along: Points, cut: np.ndarray, tangent: np.ndarray) -> list[Segment]:
     segments: list[Segment] = []
     count = len(corners)
     starts = corners + along * cut[:, None]
-    ends = corners - np.roll(along, 1, axis=0) * cut[:, None]
+    ends = corners - before(along) * cut[:, None]
     for k in range(count):
         start, end = _point(starts[k]), _point(ends[(k + 1) % count])
         if cut[k] > 0:
@@ -77,22 +93,22 @@ def smoothed(region: Region, tolerance_mm: float) -> Region:
 
 def _bent(loop: Loop, tolerance_mm: float) -> Loop:
     corners = np.array([segment.start for segment in loop.segments])
-    edges = np.roll(corners, -1, axis=0) - corners
+    edges = after(corners) - corners
     lengths = np.hypot(edges[:, 0], edges[:, 1])
     along = edges / lengths[:, None]
-    before = np.roll(along, 1, axis=0)
+    arriving = before(along)
     turn = np.abs(
-        np.arctan2(before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0], (before * along).sum(1))
+        np.arctan2(arriving[:, 0] * along[:, 1] - arriving[:, 1] * along[:, 0], (arriving * along).sum(1))
     )
     # A quadratic arc over cuts c passes its corner at c·sin(φ/2)/2.
     bow = np.maximum(np.sin(turn / 2), 1e-9)
-    room = np.minimum(lengths, np.roll(lengths, 1)) / 2
+    room = np.minimum(lengths, before(lengths)) / 2
     cut = np.minimum(2 * (1 - SIMPLIFY_PART) * tolerance_mm / bow, room)
     cut[(turn > SMOOTH_TURN_RAD) | (turn < STRAIGHT_TURN_RAD)] = 0.0
     segments: list[Segment] = []
     for k in range(len(corners)):
         corner = corners[k]
-        start, end = corner - before[k] * cut[k], corner + along[k] * cut[k]
+        start, end = corner - arriving[k] * cut[k], corner + along[k] * cut[k]
         if cut[k] > 0:
             c1, c2 = start + (corner - start) * 2 / 3, end + (corner - end) * 2 / 3
             segments.append(Bezier(_point(start), _point(c1), _point(c2), _point(end)))

@@ -39,10 +39,13 @@ class Job:
     losses: tuple[float, ...] = ()
 
 
-def finish(draft: Draft, job: Job | Pattern) -> Pattern:
-    """The pattern of a draft. DesignError when it is not one piece with the least web throughout."""
+def finish(draft: Draft, job: Job | Pattern, sound: bool = False) -> Pattern:
+    """The pattern of a draft. DesignError when it is not one piece with the least web throughout.
+
+    sound  the web has been checked already
+    """
     region = outline(draft)
-    pieces = web_pieces(region.polygon(), job.spec.web_mm)
+    pieces = [region.outer] if sound else web_pieces(region.polygon(), job.spec.web_mm)
     if len(pieces) != 1:
         raise DesignError(
             f"webs under {job.spec.web_mm:g} mm hold the pattern: without them {len(pieces)} pieces are left,"
@@ -71,8 +74,8 @@ def _smooth(region: Region, tolerance_mm: float, web_mm: float) -> Region:
     return region
 
 
-def mended(draft: Draft, spec: PatternSpec) -> Draft:
-    """The draft with a bridge wherever something thinner than the least web holds a piece."""
+def mended(draft: Draft, spec: PatternSpec) -> tuple[Draft, bool]:
+    """The draft with a bridge wherever something thinner than the least web holds a piece; whether all hold."""
     import shapely
     from shapely.ops import nearest_points
 
@@ -85,8 +88,8 @@ def mended(draft: Draft, spec: PatternSpec) -> Draft:
             start, end = ((p.x, p.y) for p in nearest_points(piece, other))
             draft = draft.with_slanted(Bridge(start, end, spec.web_mm, "connectivity", 0.0))
         if len(pieces) <= 1:
-            break
-    return draft
+            return draft, True
+    return draft, False
 
 
 def web_pieces(polygon: Polygon, web_mm: float) -> list[Polygon]:
@@ -142,7 +145,13 @@ def ground(draft: Draft) -> Any:
     import shapely
     from shapely.geometry import LinearRing, MultiLineString, Polygon
 
-    shape = shapely.build_area(MultiLineString([LinearRing(points) for points in _drawn_loops(draft)]))
+    loops = _drawn_loops(draft)
+    outers = [k for k, points in enumerate(loops) if _signed_area(points) > 0]
+    if len(outers) == 1:
+        outer = loops.pop(outers[0])
+        shape: Any = Polygon(outer, loops)
+    else:
+        shape = shapely.build_area(MultiLineString([LinearRing(points) for points in loops]))
     if draft.shapes:
         shape = shapely.difference(shape, shapely.union_all([Polygon(s.flatten()) for s in draft.shapes]))
     if draft.slanted:

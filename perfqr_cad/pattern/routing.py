@@ -19,6 +19,7 @@ from perfqr_cad.pattern.lattice import Cells, Indices, Labels, discs
 
 Field = NDArray[np.float64]
 
+MOST_STAR_WORK = 40_000_000  # islands times positions: beyond about a second only pairs are candidates
 PRICE_TOL = 1e-9  # two prices closer than this are equal
 
 
@@ -132,13 +133,16 @@ class Router:
     def stars(self, pairs: Sequence[Route], limit: float) -> list[Route]:
         """Junctions of three islands cheaper than any two of their `pairs`, no arm over `limit`.
 
-        Their arms are not drawn yet: `drawn` does that for those that are chosen.
+        None on a code so large that finding them would take long. Their arms are not drawn yet: `drawn`
+        does that for those that are chosen.
         """
         from scipy.sparse.csgraph import dijkstra
 
         self._near = np.flatnonzero(self._reach <= limit)
         self._nearby = self._graph[self._near][:, self._near]
         islands = np.flatnonzero(self._near >= len(self._steps.alias))
+        if len(islands) * len(self._near) > MOST_STAR_WORK:
+            return []
         junctions = int(np.searchsorted(self._near, len(self._steps.alias)))
         price = np.full((3, junctions), np.inf)
         owner = np.zeros((3, junctions), np.int64)

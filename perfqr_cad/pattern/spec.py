@@ -28,6 +28,9 @@ class PatternSpec:
     min_web_mm     least width of material; None: two nozzle lines
     min_gap_mm     least width of a hole; None: one nozzle
     fillet_mm      radius in re-entrant corners of the material; None: half the nozzle, 0: sharp
+    finder         bars across the dark rings: `panel` one by the corner, `diagonal` the paper's four at 45°,
+                   `recessed` one by the corner that lies recess_mm behind the face (Bridge.recess_mm; the
+                   region counts it as material, the solid decides how deep it can be)
     objective      `optimal`, or the baselines `paper` (Eq. (4)) and `mst` (Eq. (4) with λ = 0)
     loss_weight    λ of Eq. (4)
     tone           `normal`: light modules are material; `inverted`: dark modules are
@@ -42,6 +45,7 @@ class PatternSpec:
     style: Style = "square"
     fillet_mm: float | None = None
     finder: FinderStrategy = "panel"
+    recess_mm: float = 1.2
     objective: Objective = "optimal"
     loss_weight: float = 1.0
     tone: Tone = "normal"
@@ -60,7 +64,7 @@ class PatternSpec:
             raise DesignError(f"size {size:g} mm is over {GREATEST_SIZE_MM:g} mm: use a smaller --size")
         if not 0 <= self.quiet_modules <= 100:
             raise DesignError(f"quiet zone of {self.quiet_modules} modules is outside 0 to 100: use 4")
-        for name in ("fillet_mm", "loss_weight"):
+        for name in ("fillet_mm", "loss_weight", "recess_mm"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value >= 0):
                 raise DesignError(f"{name} = {value} must be a number of 0 or more")
