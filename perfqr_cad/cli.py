@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Generator
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -220,7 +220,7 @@ def _common(
 
 
 @contextlib.contextmanager
-def _progress() -> Iterator[None]:
+def _progress() -> Generator[None]:
     """A spinner with the running step on standard error, when that is a terminal."""
     from perfqr_cad import progress
 

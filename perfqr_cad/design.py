@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from perfqr_cad.capture import Capture
     from perfqr_cad.export import FileRecord
     from perfqr_cad.pattern import Pattern, PatternSpec
-    from perfqr_cad.scan import ScanReport
+    from perfqr_cad.scan import Plan, ScanReport
     from perfqr_cad.solid import Solid, Walls
     from perfqr_cad.structure import Reinforcement, StressField
-    from perfqr_cad.surface import Placement
-    from perfqr_cad.symbol import Symbol
+    from perfqr_cad.surface import Placement, Triangles
+    from perfqr_cad.symbol import Level, Symbol
 
 
 class Target(Protocol):
@@ -146,15 +146,19 @@ def run(request: Request, target: Target | None = None) -> Design:
     from perfqr_cad import scan, structure
 
     watch = _Stopwatch()
-    walls = _walls(request)
+    _walls(request)  # bad walls and materials are refused before the long steps
     material = structure.material(request.material)
-    target = target or _plate(request)
     with watch("symbol"):
         capture, symbol = _source(request)
     with watch("pattern"):
         spec = _spec(request)
         drawn = patterns.build(symbol, spec, None if capture is None else capture.art)
-        placement = target.placement(drawn.size_mm)
+        (target or _plate(request)).placement(drawn.size_mm)
+    if request.scan_tilt_deg:
+        with watch("tuning"):
+            request = _tuned(request, target, drawn)
+    target = target or _plate(request)
+    placement = target.placement(drawn.size_mm)
     with watch("structure"):
         reinforced = structure.reinforce(
             drawn,
@@ -167,10 +171,15 @@ def run(request: Request, target: Target | None = None) -> Design:
             nozzle_mm=request.nozzle_mm,
         )
     with watch("solid"):
-        solid = target.solid(reinforced.pattern, placement, walls)
+        solid = target.solid(reinforced.pattern, placement, _walls(request))
     with watch("scan"):
         report = scan.certify(
-            solid.triangles, placement, reinforced.pattern, _payload(symbol), seed=request.seed
+            solid.triangles,
+            placement,
+            reinforced.pattern,
+            _payload(symbol),
+            plan=_plan(request),
+            seed=request.seed,
         )
     _require_readable(report)
     return Design(
@@ -199,7 +208,8 @@ def _source(request: Request) -> tuple[Capture | None, Symbol]:
     from perfqr_cad.symbol import encode
 
     assert request.text is not None  # Request holds exactly one of text and image
-    return None, encode(request.text, version=request.version, level=request.level, mask=request.mask)
+    level: Level = request.level  # pyright: ignore[reportAssignmentType]  # encode refuses other letters
+    return None, encode(request.text, version=request.version, level=level, mask=request.mask)
 
 
 def _spec(request: Request) -> PatternSpec:
@@ -231,6 +241,27 @@ def _plate(request: Request) -> Target:
     return Sheet(Plane(request.thickness_mm))
 
 
+def _tuned(request: Request, target: Target | None, drawn: Pattern) -> Request:
+    """Walls and thickness for the tilt that is asked for."""
+    from perfqr_cad.tuning import for_reader
+
+    def carve(wish: Request) -> tuple[Triangles, Placement]:
+        chosen = target or _plate(wish)
+        placement = chosen.placement(drawn.size_mm)
+        return chosen.solid(drawn, placement, _walls(wish)).triangles, placement
+
+    return for_reader(request, drawn, _payload(drawn.symbol), carve, plate=target is None)
+
+
+def _plan(request: Request) -> Plan:
+    """The quick views, and the tilt that was asked for."""
+    from perfqr_cad.scan import QUICK
+
+    if request.scan_tilt_deg is None:
+        return QUICK
+    return replace(QUICK, tilts_deg=tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg})))
+
+
 def _payload(symbol: Symbol) -> bytes:
     from perfqr_cad.symbol import payload_of
 
@@ -254,7 +285,7 @@ class _Stopwatch:
         self.seconds: dict[str, float] = {}
 
     @contextmanager
-    def __call__(self, step: str) -> Iterator[None]:
+    def __call__(self, step: str) -> Generator[None]:
         tell(step)
         begin = time.perf_counter()
         yield
