@@ -13,6 +13,8 @@ from .sampling import Array, Indices
 
 WEB_CHORD_MM = 0.002  # curves are measured by chords this close
 
+ALONG = 0.3  # sine (17°) below which a tie runs along a segment rather than away from it
+
 
 def flares(region: Region, flare_mm: float, min_web_mm: float) -> list[Array]:
     """For each hole, the set-back of each of its segments: `flare_mm`, or less where a web would fall below
@@ -44,11 +46,17 @@ def _webs(region: Region, segments: Sequence[Segment], up_to_mm: float) -> Array
     polygon = region.polygon(WEB_CHORD_MM)
     shapely.prepare(polygon)
     solid = shapely.contains_xy(polygon, middle[:, 0], middle[:, 1])
-    width = np.linalg.norm(ties[:, 1] - ties[:, 0], axis=1)
-    webs = np.full(len(segments), up_to_mm)
-    for side in (first, second):
-        np.minimum.at(webs, side[solid], width[solid])
-    return webs
+    tie = ties[:, 1] - ties[:, 0]
+    width = np.linalg.norm(tie, axis=1)
+    ahead = np.array([np.subtract(s.end, s.start) for s in segments])
+    left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    found = np.full(len(segments), up_to_mm)
+    for side, way in ((first, tie), (second, -tie)):
+        # A tie that runs along a segment does not shrink when the segment is set back.
+        across = np.einsum("ki,ki->k", way, left[side])
+        counts = solid & (across >= ALONG * width * np.linalg.norm(left[side], axis=1))
+        np.minimum.at(found, side[counts], width[counts])
+    return found
 
 
 def _neighbours(region: Region, segments: Sequence[Segment], first: Indices, second: Indices) -> Array:

@@ -86,11 +86,14 @@ def _evened(segments: Sequence[Segment], flares: Sequence[float]) -> list[float]
 
 
 def _is_fillet(segments: Sequence[Segment], i: int) -> bool:
-    """An arc tangent to a line on either side."""
+    """An arc tangent to a line on either side, which make a corner (a slot's end does not)."""
     before, arc, after = segments[i - 1], segments[i], segments[(i + 1) % len(segments)]
     if not (isinstance(arc, Arc) and isinstance(before, Line) and isinstance(after, Line)):
         return False
-    return _smooth(before, arc) and _smooth(arc, after)
+    if not (_smooth(before, arc) and _smooth(arc, after)):
+        return False
+    one, two = tangent(before, 1), tangent(after, 0)
+    return abs(one[0] * two[1] - one[1] * two[0]) > EVEN and abs(arc.sweep_rad) < math.pi
 
 
 def _fillet(segments: Sequence[Segment], back: Sequence[float], i: int) -> tuple[Array, Array, Array]:

@@ -10,7 +10,7 @@ from OCP.BRep import BRep_Tool
 from OCP.BRepClass3d import BRepClass3d
 from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
 from OCP.TopExp import TopExp
-from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Iterator, TopoDS_Shape, TopoDS_Solid
+from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Iterator, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from .occ import EDGE, FORWARD, REVERSED, VERTEX, distinct
@@ -25,11 +25,11 @@ class Topology:
         self._add = part.add
         self._geometry = Geometry(part)
 
-    def solid(self, solid: TopoDS_Solid, name: str) -> int:
+    def solid(self, solid: TopoDS_Shape, name: str) -> int:
         """The number of the solid's MANIFOLD_SOLID_BREP or, with cavities, BREP_WITH_VOIDS."""
         edges = distinct(solid, EDGE)
         curves = self._edges(solid, edges)
-        outer = BRepClass3d.OuterShell_s(solid)
+        outer = BRepClass3d.OuterShell_s(TopoDS.Solid_s(solid))
         shell = self._shell(outer, edges, curves)
         voids = [self._shell(s, edges, curves) for s in children(solid) if not s.IsSame(outer)]
         if not voids:
@@ -37,7 +37,7 @@ class Topology:
         cavities = refs([self._add(f"ORIENTED_CLOSED_SHELL('',*,#{v},.T.)") for v in voids])
         return self._add(f"BREP_WITH_VOIDS({text(name)},#{shell},{cavities})")
 
-    def _edges(self, solid: TopoDS_Solid, edges: TopTools_IndexedMapOfShape) -> list[int]:
+    def _edges(self, solid: TopoDS_Shape, edges: TopTools_IndexedMapOfShape) -> list[int]:
         """Edge curves in the order of the map; 0 for degenerate ones (poles), which STEP leaves out."""
         corners = distinct(solid, VERTEX)
         point = self._geometry.point
