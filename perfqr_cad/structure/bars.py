@@ -104,7 +104,9 @@ def _plate_modes(
     length = bars.length_mm
     shear, bend, twist = (np.sqrt(k) for k in _stiffnesses(model.section, length, bars.width_mm)[:3])
     none, one = np.zeros((len(bars), 1)), np.ones((len(bars), 1))
-    half = -0.5 * length[:, None] * along
+    # Between the places the ends are tied to, so that a rigid turn costs nothing.
+    places = [np.einsum("kj,kjc->kc", weights, model.mesh.nodes[nodes]) for nodes, weights in tied]
+    half = -0.5 * (places[1] - places[0])
     # Rows: (k, 3) factors on (w, βx, βy) at the start, then at the end.
     modes = (
         (shear, np.hstack([-one, half]), np.hstack([one, half])),

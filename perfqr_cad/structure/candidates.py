@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 LINES_PER_MODULE = 2  # bars run along module edges and module centres
 LONGEST_MODULES = 4.0
 DIAGONAL_STEP_MODULES = 1.0
+AT_WALL_MM = 1e-6
 CENTRE_SAMPLES = 5  # a side, over the centre third of a module: where decoders look (§4.2)
 LIGHTENED = 0.5  # share of a module's centre that a bar must cover to turn it light
 # Bars across their rings blind most decoders, whatever Eqs. (1)-(3) say of them (they count data only).
@@ -145,7 +146,7 @@ def _across(pattern: Pattern, holes: NDArray[np.object_], width: float) -> tuple
     if not len(segments):
         return np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)
     ends = shapely.get_coordinates(shapely.get_point(segments, [[0], [-1]])).reshape(2, -1, 2)
-    return _reaching_walls(ends[0], ends[1], hole, width, clear, LONGEST_MODULES * pattern.module_mm)
+    return _reaching_walls(ends[0], ends[1], hole, width, LONGEST_MODULES * pattern.module_mm)
 
 
 def _lattice_lines(pattern: Pattern) -> NDArray[np.object_]:
@@ -160,17 +161,22 @@ def _lattice_lines(pattern: Pattern) -> NDArray[np.object_]:
 
 
 def _reaching_walls(
-    a: Floats, b: Floats, hole: NDArray[np.object_], width: float, clear: float, longest: float
+    a: Floats, b: Floats, hole: NDArray[np.object_], width: float, longest: float
 ) -> tuple[Floats, Floats, Floats]:
     """Centre lines drawn out at both ends until they meet the wall of their hole; long ones are dropped."""
     length = np.linalg.norm(b - a, axis=1)
     worth = (length > 1e-6) & (length < longest)
     a, b, hole, length = a[worth], b[worth], hole[worth], length[worth]
     along = (b - a) / length[:, None]
-    reach = 2.0 * clear  # a wall at 45° lies √2 of the clearance away
+    reach = longest - length[:, None]  # a wall may lie well beyond the clearance in a rounded corner
     drawn = shapely.linestrings(np.stack([a - reach * along, b + reach * along], axis=1))
     inside = shapely.intersection(drawn, hole)
     single = shapely.get_type_id(inside) == shapely.GeometryType.LINESTRING
     ends = shapely.get_coordinates(shapely.get_point(inside[single], [[0], [-1]])).reshape(2, -1, 2)
+    # A line that still ends inside its hole has met no wall.
     short = np.linalg.norm(ends[1] - ends[0], axis=1) < longest
+    for end in ends:
+        short &= (
+            np.asarray(shapely.distance(shapely.points(end), shapely.boundary(hole[single]))) < AT_WALL_MM
+        )
     return ends[0][short], ends[1][short], np.full(int(short.sum()), width)

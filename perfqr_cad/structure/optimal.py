@@ -114,9 +114,7 @@ class OptimalChoice:
             return bridged, [bridge for _, bridge in laid], stresses
         self.removed += int((~useful).sum())
         kept = [bridge for (_, bridge), keep in zip(laid, useful, strict=True) if keep]
-        for bridge in kept:
-            pattern = pattern.with_bridge(bridge)
-        return pattern, kept, stresses
+        return pattern.with_bridges(kept), kept, stresses
 
     def avoid(self, bridges: Sequence[Bridge], place: tuple[float, float], reach_mm: float) -> None:
         """Do not lay bridges again that end near a place they made worse; all of them if none is near."""

@@ -1,0 +1,156 @@
+from functools import cache
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from perfqr_cad.errors import AnalysisError
+from perfqr_cad.pattern import Pattern, PatternSpec, build
+from perfqr_cad.structure import MATERIALS, Pressure, Reinforcement, Support, reinforce
+from perfqr_cad.structure.analysis import prepare
+from perfqr_cad.structure.bars import couplings
+from perfqr_cad.structure.candidates import Candidates, coverage, lattice_candidates
+from perfqr_cad.structure.reanalysis import Reanalysis, hot_places, stress_operator
+from perfqr_cad.structure.solvers import factorise
+from perfqr_cad.surface import Cylinder, Placement, Plane
+from perfqr_cad.symbol import encode, layout
+from perfqr_cad.symbol.layout import Role
+
+LOAD = Pressure(1e-3)
+
+
+@cache
+def pattern() -> Pattern:
+    return build(encode("REINFORCE ME", version=1, level="M"), PatternSpec(size_mm=58.0))
+
+
+@cache
+def bars() -> Candidates:
+    return lattice_candidates(pattern(), (pattern().spec.web_mm,))
+
+
+def begin(placement: Placement | None = None, solver: str | None = None) -> Reanalysis:
+    size = pattern().module_mm
+    model = prepare(
+        pattern().polygon,
+        placement or Plane(2.0),
+        MATERIALS["PLA"],
+        Support(),
+        nozzle_mm=0.4,
+        mesh_size_mm=size,
+        corner_size_mm=size,
+    )
+    return Reanalysis(model, factorise(model.lower(), solver), model.pressure_forces(1e-3), 0.4)
+
+
+@cache
+def optimal(limit: float) -> Reinforcement:
+    return reinforce(pattern(), Plane(2.0), load=LOAD, yield_mpa=limit)
+
+
+def test_candidates_cross_one_hole_from_light_to_light() -> None:
+    from shapely.geometry import LineString, Point
+
+    region = pattern().polygon
+    assert len(bars()) > 20
+    for start, end in zip(bars().start, bars().end, strict=True):
+        line = LineString([start, end])
+        assert line.intersection(region).length < 0.05 * line.length
+        assert max(region.distance(Point(*p)) for p in (start, end)) < 0.05
+
+
+def test_candidates_leave_finders_alone() -> None:
+    roles = layout(1, "M").roles
+    rings = (roles == Role.FINDER) & pattern().symbol.matrix.dark
+    modules, _, touched = coverage(pattern(), bars().start, bars().end, bars().width_mm)
+    assert not (rings[modules[..., 0], modules[..., 1]] & touched).any()
+
+
+def test_coverage_of_a_bar_along_a_module_edge_and_through_a_centre() -> None:
+    m = pattern().module_mm
+    start = np.array([[-m, 0.5 * m], [-m, 0.0]])
+    end = np.array([[m, 0.5 * m], [m, 0.0]])
+    _, share, touched = coverage(pattern(), start, end, np.full(2, m / 3))
+    assert share[0].max() == 0.0  # 21 modules: y = 0 runs through centres, y = m/2 along edges
+    assert touched[0].any()
+    assert share[1].max() == 1.0
+
+
+@pytest.mark.parametrize("placement", [Plane(2.0), Cylinder(60.0, 2.0)])
+@pytest.mark.parametrize("solver", ["SuperLU", None])
+def test_low_rank_update_is_the_direct_solution(placement: Placement, solver: str | None) -> None:
+    analysis = begin(placement, solver)
+    model = analysis.model
+    some = bars().take(np.arange(0, len(bars()), len(bars()) // 3)[:3])
+    coupling = couplings(model, some)
+    direct = factorise((model.lower() + sp.tril(coupling @ coupling.T, format="csc")).tocsc(), solver)
+    forces = np.where(model.fixed, 0.0, model.pressure_forces(1e-3))
+    for part in (coupling[:, : coupling.shape[1] // 3], coupling[:, coupling.shape[1] // 3 :]):
+        analysis.add(part)
+    exact = direct.solve(forces)
+    assert analysis.displacement == pytest.approx(exact, abs=1e-8 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("placement", [Plane(2.0), Cylinder(60.0, 2.0)])
+def test_a_bar_resists_no_rigid_motion(placement: Placement) -> None:
+    model = begin(placement).model
+    free = couplings_without_supports(model)
+    rigid = np.zeros((len(model.mesh.nodes), model.system.dofs))
+    if model.flat:
+        rigid[:, 0], rigid[:, 1] = model.mesh.nodes[:, 0], 1.0
+    else:
+        turn = np.array([0.3, -0.2, 0.5])
+        rigid[:, :3], rigid[:, 3:] = np.cross(turn, model.positions), turn
+    stretch = np.abs(free.T @ np.ones(len(model.fixed))).max()
+    assert np.abs(free.T @ rigid.ravel()).max() < 1e-6 * max(stretch, 1.0) * np.abs(rigid).max()
+
+
+def couplings_without_supports(model: object) -> sp.csc_matrix:
+    from dataclasses import replace
+
+    system = replace(model.system, fixed=np.zeros_like(model.system.fixed))  # type: ignore[attr-defined]
+    return couplings(replace(model, system=system), bars())  # type: ignore[type-var]
+
+
+def test_stress_operator_is_the_measure() -> None:
+    analysis = begin()
+    hot = hot_places(analysis.measure())
+    operator = stress_operator(analysis.model, analysis.average, hot)
+    whole = analysis.average(analysis.model.corner_stresses(analysis.displacement))[hot]
+    assert operator @ analysis.displacement == pytest.approx(whole.ravel(), abs=1e-10)
+
+
+def test_strong_part_is_left_alone() -> None:
+    result = optimal(100.0)
+    assert (result.status, result.iterations, result.confirmations) == ("strong", 0, 0)
+    assert result.pattern is pattern()
+    assert result.history == (result.before.max_stress_mpa,)
+
+
+def test_bridges_make_it_stronger_or_say_what_would() -> None:
+    before = optimal(100.0).before.max_stress_mpa
+    result = optimal(0.9 * before)
+    assert result.after.max_stress_mpa <= result.before.max_stress_mpa
+    assert np.isfinite(result.pattern.readability.total)
+    if result.strong:
+        assert result.after.max_stress_mpa <= 0.9 * before
+        assert result.iterations == len(result.bridges) > 0
+        assert {bridge.stage for bridge in result.bridges} == {"structural"}
+    else:
+        assert result.status == "weak: no affordable bridge is left"
+        assert "thickness" in result.remedies[0]
+
+
+def test_nothing_saves_a_part_a_thousand_times_too_weak() -> None:
+    result = reinforce(pattern(), Plane(2.0), load=LOAD, yield_mpa=1e-3, method="paper")
+    assert result.status == "weak: no affordable bridge is left"
+    assert len(result.remedies) >= 2
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [({"method": "guess"}, "method 'guess' is unknown"), ({"yield_mpa": 0.0}, "yield stress is 0.0 MPa")],
+)
+def test_settings_out_of_range_are_refused(settings: dict[str, object], message: str) -> None:
+    with pytest.raises(AnalysisError, match=message):
+        reinforce(pattern(), Plane(2.0), load=LOAD, **settings)  # type: ignore[arg-type]
