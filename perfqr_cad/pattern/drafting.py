@@ -13,14 +13,19 @@ from perfqr_cad.pattern.finish import Job, finish, mended
 from perfqr_cad.pattern.lattice import draw, label
 from perfqr_cad.pattern.paper import join_paper
 from perfqr_cad.pattern.pattern import Pattern
-from perfqr_cad.pattern.size import module_size
+from perfqr_cad.pattern.sampling import brightness
+from perfqr_cad.pattern.size import module_size, rounded_up
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.pattern.style import is_drawn, shaped_modules, shapes
 from perfqr_cad.pattern.tidy import fill_slivers, tidy
-from perfqr_cad.symbol import Symbol
+from perfqr_cad.symbol import Matrix, Symbol, readability
 
 if TYPE_CHECKING:
     from perfqr_cad.capture import Art
+
+
+GROWTH = 1.25  # from one size that is tried to the next
+MOST_GROWTHS = 8
 
 
 def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
@@ -28,13 +33,11 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
 
     DesignError when the size is too small for the nozzle, or the result could not be read.
     """
-    module_mm, reason = module_size(symbol, spec, art)
     solid_is_dark = spec.tone == "inverted"
     right_solid = symbol.matrix.dark == solid_is_dark
-    asked = _asked(symbol, spec, art, module_mm)
-    _, islands = label(asked.solid)
-    web, gap = asked.lattice.whole(spec.web_mm), asked.lattice.whole(spec.gap_mm)
-    draft = asked if asked.shapes else tidy(asked, right_solid, web, gap)
+    draft, reason = printable(symbol, spec, art)
+    gap = draft.lattice.whole(spec.gap_mm)
+    _, islands = label(draft.asked)
     draft = tie_rings(draft, symbol, spec)
     scale = 1 if art is None else art.scale
     losses: tuple[float, ...] = ()
@@ -50,6 +53,41 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
     draft, sound = mended(draft, spec)
     return finish(draft, Job(symbol, spec, islands, reason, optimality, losses), sound)
+
+
+def printable(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[Draft, str]:
+    """The art with nothing thinner than the tool can make, and why the module has its size.
+
+    A size that is not asked for grows until the clean-up loses no codeword that the art holds.
+    """
+    module_mm, reason = module_size(symbol, spec, art)
+    solid_is_dark = spec.tone == "inverted"
+    right_solid = symbol.matrix.dark == solid_is_dark
+    for _ in range(MOST_GROWTHS):
+        asked = _asked(symbol, spec, art, module_mm)
+        if asked.shapes:
+            return asked, reason
+        web, gap = asked.lattice.whole(spec.web_mm), asked.lattice.whole(spec.gap_mm)
+        draft = tidy(asked, right_solid, web, gap)
+        if spec.size_mm is not None:
+            return draft, reason
+        held, kept = (_wrong_codewords(d, symbol, solid_is_dark) for d in (asked, draft))
+        if kept <= held:
+            return draft, reason
+        modules = symbol.size + 2 * spec.quiet_modules
+        module_mm = rounded_up(module_mm * GROWTH * modules) / modules
+        reason = (
+            f"module {module_mm:.3g} mm: smaller ones lose codewords of the art to the {spec.web_mm:g} mm web"
+        )
+    raise DesignError(
+        f"the art loses {kept - held} codewords to webs of {spec.web_mm:g} mm even at modules of"
+        f" {module_mm:.3g} mm: use a finer nozzle or plainer art"
+    )
+
+
+def _wrong_codewords(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> int:
+    observed = Matrix((brightness(draft.lattice) >= 0.5) == solid_is_dark)
+    return sum(readability(observed, symbol).errors)
 
 
 def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float) -> Draft:

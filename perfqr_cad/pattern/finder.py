@@ -12,10 +12,10 @@ from perfqr_cad.symbol.tables import alignment_centres
 Solid = Callable[[int, int], bool]
 
 # Why the bar lies where it does: in views of three versions at 4 and 8 pixels a module, tilted by 0, 20 and
-# 40°, its place along the top or left side changes nothing for zbar and WeChat, and for zxing-cpp no more than
+# 40°, its place along the top or left side changes nothing for zbar and WeChat, for zxing-cpp no more than
 # chance (39-56 % read at 20°, against 100 % without a bar); across the bottom it costs OpenCV a third. A bar
 # in the middle of a side breaks the 1:1:3:1:1 line for all. So: by the corner, flush with the light ring,
-# which leaves no notch; and no wider than the web, because a wide bar costs zxing-cpp more than a narrow one.
+# which leaves no notch; and no wider than the web: a wide bar costs zxing-cpp more than a narrow one.
 FLUSH = 1.0  # modules from the pattern's corner to the near edge of the bar
 CORE_FLUSH = 2.0  # the same for a bar from the core
 

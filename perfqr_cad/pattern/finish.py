@@ -75,7 +75,7 @@ def _smooth(region: Region, tolerance_mm: float, web_mm: float) -> Region:
 
 
 def mended(draft: Draft, spec: PatternSpec) -> tuple[Draft, bool]:
-    """The draft with a bridge wherever something thinner than the least web holds a piece; whether all hold."""
+    """The draft with a bridge wherever less than the least web holds a piece; and whether all hold now."""
     import shapely
     from shapely.ops import nearest_points
 

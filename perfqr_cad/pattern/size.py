@@ -24,7 +24,7 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
     """Module edge in mm, and why. DesignError with the least size that works when less is asked for."""
     modules = symbol.size + 2 * spec.quiet_modules
     least_module, reason = _least_module(spec, is_drawn(spec.style) and art is None)
-    least_size = _rounded_up(least_module * modules)
+    least_size = rounded_up(least_module * modules)
     if spec.size_mm is not None:
         if spec.size_mm < least_size:
             raise DesignError(
@@ -39,7 +39,7 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
             reason = (
                 f"{art.scale} dots of {dot_mm:.3g} mm across, wide enough for a web of {spec.web_mm:g} mm"
             )
-    return _rounded_up(least_module * modules) / modules, f"module {least_module:.3g} mm: {reason}"
+    return rounded_up(least_module * modules) / modules, f"module {least_module:.3g} mm: {reason}"
 
 
 def _least_module(spec: PatternSpec, drawn: bool) -> tuple[float, str]:
@@ -63,5 +63,6 @@ def _least_dot(spec: PatternSpec, cells: int) -> float:
         dot_mm *= DOT_STEP
 
 
-def _rounded_up(size_mm: float) -> float:
+def rounded_up(size_mm: float) -> float:
+    """The size in whole tenths of a millimetre."""
     return round(math.ceil(size_mm / SIZE_STEP_MM - 1e-9) * SIZE_STEP_MM, 6)
