@@ -21,6 +21,8 @@ from perfqr_cad.scan.panel import shared
 from perfqr_cad.scan.scene import jittered
 from perfqr_cad.surface import Plane
 
+DEFAULT_TEXT = "https://example.com/p/1234567"
+
 
 @dataclass(frozen=True)
 class Exhibit:
@@ -52,6 +54,18 @@ def exhibit(name: str, out: Path) -> Exhibit:
     paper = printed(art.dark, pattern.size_mm, quiet_modules=pattern.quiet_modules, scale=art.scale)
     scene = Scene(place(solid.triangles, placement, edge_mm=pattern.size_mm))
     return Exhibit(name, captured.recovery.payload.data, scene, paper, pattern)
+
+
+@lru_cache(maxsize=1)
+def default_part() -> Exhibit:
+    """What `perfqr make` gives without settings: a plain version-5 code on 60 mm."""
+    from perfqr_cad.design import make
+
+    design = make(text=DEFAULT_TEXT, version=5, size_mm=60.0)
+    pattern = design.pattern
+    paper = printed(design.symbol.matrix.dark, pattern.size_mm, quiet_modules=pattern.quiet_modules)
+    scene = Scene(place(design.solid.triangles, design.placement, edge_mm=pattern.size_mm))
+    return Exhibit("default", DEFAULT_TEXT.encode(), scene, paper, pattern)
 
 
 def drawn(row: Row, out: Path) -> tuple[Capture, Pattern]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.progress import tell
-from perfqr_cad.reproduce.exhibits import Exhibit, exhibit, rate, save
+from perfqr_cad.reproduce.exhibits import Exhibit, default_part, rate, save
 from perfqr_cad.scan import Light, Look, Optics, Scene, View
 from perfqr_cad.scan.decoders import CORE
 from perfqr_cad.table import Table
@@ -22,7 +22,7 @@ BLURS_PX = (1, 4, 8, 12, 16, 20, 24, 30)
 
 @dataclass(frozen=True)
 class Occluded:
-    """A part with a finger over its lower right corner: a gray disc, its diameter a part of the code's edge."""
+    """A part with a finger over a corner: a gray disc, its diameter a part of the code's edge."""
 
     scene: Scene
     diameter: float
@@ -52,7 +52,7 @@ class Fault:
 
 def run(out: Path, views: int = 3) -> Table:
     """The worst value still read by all engines and by any, part and print apart."""
-    shown = exhibit("CADGraphics", out)
+    shown = default_part()
     rows: list[tuple[object, ...]] = []
     pictures: list[NDArray[np.uint8]] = []
     for fault in _FAULTS:
@@ -72,7 +72,7 @@ def run(out: Path, views: int = 3) -> Table:
         "Limits: the worst value up to which every scan is read",
         ("fault", "unit", "by all", "by any", *CORE),
         tuple(rows),
-        (f"module {shown.pattern.module_mm:.3g} mm, {TILT_DEG:g}° tilt from {views} sides, CADGraphics",),
+        (f"module {shown.pattern.module_mm:.3g} mm, {TILT_DEG:g}° tilt from {views} sides, default part",),
     )
 
 

@@ -1,6 +1,6 @@
 """Views of any closed mesh by ray casting (Embree): exact visibility, light by sampled rays.
 
-Light is worked out at a quarter of the pixels, with one lamp ray, one sky ray and one reflection each,
+Light is worked out at a ninth of the pixels, with one lamp ray, one sky ray and one reflection each,
 and averaged over neighbours that face the same way; edges between faces stay sharp.
 """
 
@@ -16,13 +16,14 @@ from perfqr_cad.scan.camera import Camera
 from perfqr_cad.scan.look import Light
 from perfqr_cad.scan.placing import Part
 from perfqr_cad.scan.plate import Shot
-from perfqr_cad.scan.raster import smooth
+from perfqr_cad.scan.raster import smooth, warp
 from perfqr_cad.scan.skylight import Picture
 
 Floats = NDArray[np.float64]
 LIFT_MM = 1e-3  # rays leave a surface from this far above it, or they would meet it again
-SAMPLE_STEP = 2  # light is sampled at every second pixel of every second row
-SMOOTH_PX = 4.0  # and averaged over about 2 pi 4² / 4 = 25 samples
+GROUND = np.int8(0)
+SAMPLE_STEP = 3  # light is sampled at every third pixel of every third row
+SMOOTH_PX = 6.0  # and averaged over about 2 pi 6² / 9 = 25 samples
 _TINY = 1e-6
 
 
@@ -32,11 +33,16 @@ class Tracer:
 
     scene: Any
     normals: Floats
+    classes: NDArray[np.int8]
     lowest_mm: float
 
-    def hit(self, origins: Floats, directions: Floats) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    def hit(
+        self, origins: Floats, directions: NDArray[np.floating]
+    ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         """Triangle (-1 for none) and distance for each ray."""
-        found = self.scene.run(origins.astype(np.float32), directions.astype(np.float32), output=1)
+        found = self.scene.run(
+            np.ascontiguousarray(origins, np.float32), np.ascontiguousarray(directions, np.float32), output=1
+        )
         return found["primID"], found["tfar"]
 
     def blocked(self, origins: Floats, directions: Floats) -> NDArray[np.bool_]:
@@ -56,7 +62,7 @@ def tracer(part: Part) -> Tracer:
     corner = vertices[part.faces]
     normals = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-300
-    return Tracer(scene, normals, float(vertices[:, 2].min()))
+    return Tracer(scene, normals, _classes(normals), float(vertices[:, 2].min()))
 
 
 def shoot(
@@ -66,27 +72,38 @@ def shoot(
     size = camera.view.size_px
     axes = camera.target.axes
     eye = (camera.eye_mm - camera.target.centre_mm) @ axes.T
-    directions = camera.directions() @ axes.T
+    directions = (camera.directions() @ axes.T).astype(np.float32)
     triangle, distance = tracer.hit(np.broadcast_to(eye, directions.shape), directions)
     on_part = triangle >= 0
-    floor = tracer.lowest_mm - gap_mm
-    # Rays that pass the horizon meet the ground nowhere: they see it as if far away.
-    to_floor = (floor - eye[2]) / np.minimum(directions[:, 2], -_TINY)
-    points = eye + directions * np.where(on_part, distance, to_floor)[:, None]
-    normals = np.where(on_part[:, None], tracer.normals[triangle], [0.0, 0.0, 1.0])
-    normals[np.einsum("ij,ij->i", normals, directions) > 0] *= -1
+    facing = np.where(on_part, tracer.classes[triangle], GROUND).reshape(size, size)
 
-    grid = np.zeros((size, size), bool)
-    grid[::SAMPLE_STEP, ::SAMPLE_STEP] = True
-    sampled = np.nonzero(grid.ravel())[0]
+    sampled = np.arange(size * size).reshape(size, size)[::SAMPLE_STEP, ::SAMPLE_STEP]
+    floor = tracer.lowest_mm - gap_mm
+    points, normals = _places(tracer, eye, directions, triangle, distance, floor, sampled.ravel())
     rng = np.random.default_rng(seed)
-    light_there = _irradiance(tracer, points[sampled], normals[sampled], light, reflectance, rng)
-    sparse = np.zeros(size * size, np.float32)
-    sparse[sampled] = light_there
-    lit = _spread(sparse.reshape(size, size), grid, _facing(normals, on_part).reshape(size, size))
+    light_there = _irradiance(tracer, points, normals, light, reflectance, rng)
+    lit = _spread(light_there.reshape(sampled.shape).astype(np.float32), facing)
     cover = on_part.reshape(size, size).astype(np.float32)
-    ground_plane = camera.homography(-floor)
-    return Shot(lit * cover, lit * (1 - cover), cover, np.linalg.inv(ground_plane))
+    return Shot(lit * cover, lit * (1 - cover), cover, np.linalg.inv(camera.homography(-floor)))
+
+
+def _places(
+    tracer: Tracer,
+    eye: Floats,
+    directions: NDArray[np.float32],
+    triangle: NDArray[np.int32],
+    distance: NDArray[np.float32],
+    floor: float,
+    chosen: NDArray[np.intp],
+) -> tuple[Floats, Floats]:
+    """Where the chosen rays end, and the normal there towards the camera: on the part or on the ground."""
+    along, met = directions[chosen].astype(np.float64), triangle[chosen]
+    # Rays that pass the horizon meet the ground nowhere: they see it as if far away.
+    to_floor = (floor - eye[2]) / np.minimum(along[:, 2], -_TINY)
+    reach = np.where(met >= 0, distance[chosen], to_floor)
+    normals = np.where(met[:, None] >= 0, tracer.normals[met], [0.0, 0.0, 1.0])
+    normals[np.einsum("ij,ij->i", normals, along) > 0] *= -1
+    return eye + along * reach[:, None], normals
 
 
 def _irradiance(
@@ -139,20 +156,24 @@ def _cosine_rays(normals: Floats, rng: np.random.Generator) -> Floats:
     )
 
 
-def _facing(normals: Floats, on_part: NDArray[np.bool_]) -> NDArray[np.int8]:
-    """Class of each pixel: 0 ground, 1 to 6 the axis (+x, -x, +y, -y, +z, -z) that its face looks along."""
+def _classes(normals: Floats) -> NDArray[np.int8]:
+    """Class of each triangle: 1 to 6, the axis (+x, -x, +y, -y, +z, -z) that it looks along."""
     axis = np.abs(normals).argmax(axis=1)
     negative = np.take_along_axis(normals, axis[:, None], axis=1)[:, 0] < 0
-    return np.where(on_part, 1 + 2 * axis + negative, 0).astype(np.int8)
+    return (1 + 2 * axis + negative).astype(np.int8)
 
 
-def _spread(sparse: Picture, grid: NDArray[np.bool_], facing: NDArray[np.int8]) -> Picture:
-    """Sampled light averaged over neighbours of the same class, at every pixel."""
-    lit = np.zeros_like(sparse)
+def _spread(sparse: Picture, facing: NDArray[np.int8]) -> Picture:
+    """Light sampled on the coarse grid, averaged over neighbours of the same class, at every pixel."""
+    size = facing.shape[::-1]
+    # Coarse pixel (r, c) was sampled at fine pixel (r, c) * SAMPLE_STEP.
+    to_fine = np.diag([SAMPLE_STEP, SAMPLE_STEP, 1.0])
+    there = facing[::SAMPLE_STEP, ::SAMPLE_STEP]
+    lit = np.zeros(facing.shape, np.float32)
     for kind in np.unique(facing):
+        here = (there == kind).astype(np.float32)
+        weight = warp(smooth(here, SMOOTH_PX / SAMPLE_STEP), to_fine, size)
+        total = warp(smooth(sparse * here, SMOOTH_PX / SAMPLE_STEP), to_fine, size)
         mine = facing == kind
-        here = (mine & grid).astype(np.float32)
-        weight = smooth(here, SMOOTH_PX)
-        mean = smooth(sparse * here, SMOOTH_PX) / (weight + _TINY)
-        lit[mine] = mean[mine]
+        lit[mine] = total[mine] / (weight[mine] + np.float32(_TINY))
     return lit
