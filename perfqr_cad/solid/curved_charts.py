@@ -81,7 +81,9 @@ class RevolvedChart:
                 return Geom_SphericalSurface(frame, radius - depth_mm)
             case Revolution():
                 meridian = fitted_meridian(self.wall, depth_mm)
-                points = np.column_stack([np.zeros(len(meridian.poles)), meridian.poles[:, 1], -meridian.poles[:, 0]])
+                points = np.column_stack(
+                    [np.zeros(len(meridian.poles)), meridian.poles[:, 1], -meridian.poles[:, 0]]
+                )
                 curve = spline_curve(points, meridian.knots, DEGREE)
                 return Geom_SurfaceOfRevolution(curve, gp_Ax1(gp_Pnt(0, 0, 0), Y))
             case _:
@@ -139,7 +141,9 @@ class RevolvedChart:
         (ra, ya), (rb, yb) = self.wall.meridian_at(np.array([v, v]), np.array([depth_a, depth_b])).tolist()
         ahead = math.copysign(1.0, u1 - u)
         if abs(ya - yb) <= FLAT * abs(ra - rb):
-            return Wall(Geom_Plane(gp_Ax3(gp_Pnt(0, ya, 0), gp_Dir(0, -ahead, 0), self._ray(u))), outward=True)
+            return Wall(
+                Geom_Plane(gp_Ax3(gp_Pnt(0, ya, 0), gp_Dir(0, -ahead, 0), self._ray(u))), outward=True
+            )
         if abs(ra - rb) <= FLAT * abs(ya - yb):
             return None
         slant = math.hypot(ra - rb, ya - yb)

@@ -79,7 +79,9 @@ class _Rung:
     images: Array | None
 
 
-def lay_fitted(stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...], wall: Surveyor) -> list[Column]:
+def lay_fitted(
+    stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...], wall: Surveyor
+) -> list[Column]:
     """Columns on stacks of segments, one segment for each level, front first.
 
     Raises `KernelError` where no spline of `MOST` pieces keeps `FIT_MM`.
@@ -201,5 +203,3 @@ def _upright_cylinder(arc: Arc, above: Array, below: Array, net: _Net, sight: Si
 def _identity(net: _Net) -> Array:
     """Poles of the spline that is its own parameter."""
     return net.to_poles @ net.nodes[::2]
-
-

@@ -57,7 +57,9 @@ def triangulate(
     """The closed mesh of a panel: the first well is its rim. `flat` maps need no refinement."""
     rings = flattened(wells, place, chord_mm, flat)
     mesh = _Mesh(place, chord_mm, flat)
-    columns = [[mesh.ring(level, depth) for level, depth in zip(r.levels, r.depths_mm, strict=True)] for r in rings]
+    columns = [
+        [mesh.ring(level, depth) for level, depth in zip(r.levels, r.depths_mm, strict=True)] for r in rings
+    ]
     mesh.cap([column[0] for column in columns], [r.levels[0] for r in rings], 0.0, up=True)
     through = [(column[-1], r.levels[-1]) for column, r in zip(columns, rings, strict=True) if not r.floor]
     mesh.cap([c for c, _ in through], [p for _, p in through], thickness_mm, up=False)
@@ -164,8 +166,12 @@ def delaunay(polygons: Sequence[Array]) -> Indices:
     """
     outline = shapely.Polygon(polygons[0], list(polygons[1:]))
     if not outline.is_valid:
-        raise KernelError(f"the outline is no simple region ({shapely.is_valid_reason(outline)}): part its loops")
-    corners = shapely.get_coordinates(shapely.constrained_delaunay_triangles(outline)).reshape(-1, 4, 2)[:, :3]
+        raise KernelError(
+            f"the outline is no simple region ({shapely.is_valid_reason(outline)}): part its loops"
+        )
+    corners = shapely.get_coordinates(shapely.constrained_delaunay_triangles(outline)).reshape(-1, 4, 2)[
+        :, :3
+    ]
     # Triangles come as coordinates; each corner is found again by its exact value.
     points, wanted = complex_of(np.vstack(polygons)), complex_of(corners.reshape(-1, 2))
     order = np.argsort(points)
@@ -176,14 +182,18 @@ def delaunay(polygons: Sequence[Array]) -> Indices:
     return faces
 
 
-def refined(uv: Array, faces: Indices, place: Callable[[Array], Array], chord_mm: float) -> tuple[Array, Indices]:
+def refined(
+    uv: Array, faces: Indices, place: Callable[[Array], Array], chord_mm: float
+) -> tuple[Array, Indices]:
     """Split inner edges at their midpoints until the laid triangles keep the chord tolerance.
 
     Boundary edges are never split: the walls share them. Raises `KernelError` on a creased surface.
     """
     for _ in range(MOST_ROUNDS):
         sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        keys, side, uses = np.unique(sides[:, 0] * len(uv) + sides[:, 1], return_inverse=True, return_counts=True)
+        keys, side, uses = np.unique(
+            sides[:, 0] * len(uv) + sides[:, 1], return_inverse=True, return_counts=True
+        )
         ends = np.column_stack([keys // len(uv), keys % len(uv)])
         sagitta = _sagitta(uv, ends, place)
         split = (uses == 2) & (sagitta > CAP_SHARE * chord_mm)

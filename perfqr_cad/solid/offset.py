@@ -77,7 +77,11 @@ def _evened(segments: Sequence[Segment], flares: Sequence[float]) -> list[float]
         changed = False
         for i in range(n):
             j = (i + 1) % n
-            if _is_fillet(segments, i) or _is_fillet(segments, j) or not _smooth(segments[i], segments[j], EVEN):
+            if (
+                _is_fillet(segments, i)
+                or _is_fillet(segments, j)
+                or not _smooth(segments[i], segments[j], EVEN)
+            ):
                 continue
             least = min(back[i], back[j])
             changed |= back[i] != back[j]

@@ -76,9 +76,9 @@ def _wall(upper: Segment, lower: Segment, z0: float, z1: float, top: Trace, bott
     match upper, lower:
         case Line(), Line():
             return _flat_wall(upper, lower, z0, z1)
-        case (Arc() | Circle()), (Arc() | Circle()) if _concentric(upper, lower):
+        case ((Arc() | Circle()), (Arc() | Circle())) if _concentric(upper, lower):
             return _round_wall(upper, lower, z0, z1)
-        case (Arc() | Circle()), (Arc() | Circle()):
+        case ((Arc() | Circle()), (Arc() | Circle())):
             return oblique_wall(top, bottom)
         case Bezier(), Bezier():
             return ruled_wall(_poles(upper, z0), _poles(lower, z1), BEZIER_KNOTS, 3)

@@ -64,7 +64,10 @@ def check(
     volume = occ.volume(shape) if volume_mm3 is None else volume_mm3
     if volume <= 0:
         found.append(f"volume {volume:.6g} mm³: the shell is inside out")
-    elif expected_volume_mm3 is not None and abs(volume - expected_volume_mm3) > volume_tol * expected_volume_mm3:
+    elif (
+        expected_volume_mm3 is not None
+        and abs(volume - expected_volume_mm3) > volume_tol * expected_volume_mm3
+    ):
         found.append(
             f"volume {volume:.9g} mm³, from the outline {expected_volume_mm3:.9g} mm³ (limit {volume_tol:g} of it)"
         )
@@ -79,15 +82,21 @@ class _Shell:
     rows: list[tuple[float, float, float]]  # the same
     ends: dict[int, tuple[int, int]] = field(default_factory=dict[int, tuple[int, int]])
     uses: list[tuple[int, bool]] = field(default_factory=list[tuple[int, bool]])  # edge, ahead
-    corners: list[tuple[int, int]] = field(default_factory=list[tuple[int, int]])  # edge ends that meet in a face
-    polygons: list[list[Array]] = field(default_factory=list[list[Array]])  # of each face, outlines in parameters
+    corners: list[tuple[int, int]] = field(
+        default_factory=list[tuple[int, int]]
+    )  # edge ends that meet in a face
+    polygons: list[list[Array]] = field(
+        default_factory=list[list[Array]]
+    )  # of each face, outlines in parameters
     problems: list[str] = field(default_factory=list[str])
     degenerate: bool = False
 
 
 def _survey(shape: TopoDS_Shape) -> _Shell:
     vertices, edges = occ.distinct(shape, VERTEX), occ.distinct(shape, EDGE)
-    points = [BRep_Tool.Pnt_s(TopoDS.Vertex_s(vertices.FindKey(i))).Coord() for i in range(1, vertices.Extent() + 1)]
+    points = [
+        BRep_Tool.Pnt_s(TopoDS.Vertex_s(vertices.FindKey(i))).Coord() for i in range(1, vertices.Extent() + 1)
+    ]
     shell = _Shell(np.array(points).reshape(-1, 3), points)
     straight: dict[int, bool] = {}
     for i in range(1, edges.Extent() + 1):
@@ -118,11 +127,15 @@ def _meets_vertices(shell: _Shell, edge: TopoDS_Edge, index: int) -> bool:
     for vertex, parameter in zip(shell.ends[index], parameters, strict=True):
         missed = curve.Value(parameter).Distance(gp_Pnt(*shell.rows[vertex]))
         if missed > SLACK * BRep_Tool.Tolerance_s(edge):
-            shell.problems.append(f"an edge misses its vertex by {missed:.2g} mm at {_at(shell.points[vertex])}")
+            shell.problems.append(
+                f"an edge misses its vertex by {missed:.2g} mm at {_at(shell.points[vertex])}"
+            )
     return isinstance(curve, Geom_Line)
 
 
-def _walk(shell: _Shell, face: TopoDS_Face, edges: occ.TopTools_IndexedMapOfShape, straight: dict[int, bool]) -> None:
+def _walk(
+    shell: _Shell, face: TopoDS_Face, edges: occ.TopTools_IndexedMapOfShape, straight: dict[int, bool]
+) -> None:
     """One face: the uses of its edges, its corners, its outlines, and whether its edges lie on it."""
     forward = TopoDS.Face_s(face.Oriented(FORWARD))
     surface = BRep_Tool.Surface_s(forward)
@@ -174,7 +187,9 @@ def _plane_outline(
     local = (np.array(samples).reshape(-1, 3) - frame.Location().Coord()) @ axes.T
     off = float(np.abs(local[:, 2]).max(initial=0.0))
     if off > SLACK * slack:
-        shell.problems.append(f"an edge at {_at(samples[0])} is {off:.2g} mm off its plane (limit {slack:.2g} mm)")
+        shell.problems.append(
+            f"an edge at {_at(samples[0])} is {off:.2g} mm off its plane (limit {slack:.2g} mm)"
+        )
     return local[:, :2]
 
 

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Iterator, TopoDS_Shape, TopoDS_Shell, TopoDS_Solid, TopoDS_Wire
+from OCP.TopoDS import (
+    TopoDS,
+    TopoDS_Face,
+    TopoDS_Iterator,
+    TopoDS_Shape,
+    TopoDS_Shell,
+    TopoDS_Solid,
+    TopoDS_Wire,
+)
 
 from .chart import Chart
 from .occ import FACE, FORWARD, explore
@@ -31,7 +39,9 @@ def punch(
     gives them. Loops must lie strictly inside both faces and apart: see `proof.check`, which the caller runs.
     """
     made = tubes(tuple(wells), chart)
-    faces = [f for f in explore(solid, FACE) if not f.IsSame(front) and not (back is not None and f.IsSame(back))]
+    faces = [
+        f for f in explore(solid, FACE) if not f.IsSame(front) and not (back is not None and f.IsSame(back))
+    ]
     faces.append(perforated(front, [t.mouth for t in made], chart.towards_reader(0.0)))
     if back is not None:
         feet = [t.foot for t in made if t.foot is not None]

@@ -16,7 +16,9 @@ from .walls import Walls
 
 LEAST_WEB_MM = 1e-3  # at the back, where no minimum is asked for: holes must not touch
 HALVINGS = 6  # of the flares beside a web that comes out too thin
-WEB_SLACK = 0.02  # corners of two holes that meet diagonally give way along their mitres, a little more than edges
+WEB_SLACK = (
+    0.02  # corners of two holes that meet diagonally give way along their mitres, a little more than edges
+)
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,10 @@ def wells(
     """
     outer = _laid(region.outer, whole_circles)
     rim = Well((outer, outer), (Level(0.0, True), Level(thickness_mm, True)))
-    return (rim, *hole_wells(region.holes, thickness_mm, walls, whole_circles, outer=region.outer, min_web_mm=min_web_mm))
+    holes = hole_wells(
+        region.holes, thickness_mm, walls, whole_circles, outer=region.outer, min_web_mm=min_web_mm
+    )
+    return (rim, *holes)
 
 
 def hole_wells(
@@ -85,15 +90,17 @@ def _flared(region: Region, flare_mm: float, min_web_mm: float) -> list[Loop]:
     least = max(min_web_mm, LEAST_WEB_MM)
     front = webs(region, least)
     back = flares(region, flare_mm, least)
+    wide = [widened(hole, set_back) for hole, set_back in zip(region.holes, back, strict=True)]
     for attempt in range(HALVINGS):
-        wide = [widened(hole, set_back) for hole, set_back in zip(region.holes, back, strict=True)]
         found = webs(Region(region.outer, tuple(wide)), least)
         # A web that is thinner at the front already cannot be asked to be wider at the back.
         thin = [f < (1 - WEB_SLACK) * np.minimum(least, g) for f, g in zip(found, front, strict=True)]
         if not any(t.any() for t in thin):
             break
         share = 0.5 if attempt < HALVINGS - 2 else 0.0
-        back = [np.where(t, share * b, b) for t, b in zip(thin, back, strict=True)]
+        for k in [k for k, t in enumerate(thin) if t.any()]:
+            back[k] = np.where(thin[k], share * back[k], back[k])
+            wide[k] = widened(region.holes[k], back[k])
     if wide == list(region.holes) or not Region(region.outer, tuple(wide)).polygon().is_valid:
         raise DesignError(
             f"no hole can be flared by up to {flare_mm:.3g} mm with webs of {least:.3g} mm at the back: "

@@ -87,13 +87,22 @@ def read_step(path: str | Path, *, heal: bool = True) -> tuple[StepPart, ...]:
         raise KernelError(f"{source}: no such file; give a STEP file")
     remedy = "export it again as STEP AP203, AP214 or AP242"
     with occ.kernel(f"reading {source.name}", remedy):
-        done = reader.ReadFile(str(source)) == IFSelect_ReturnStatus.IFSelect_RetDone and reader.Transfer(document)
+        done = reader.ReadFile(str(source)) == IFSelect_ReturnStatus.IFSelect_RetDone and reader.Transfer(
+            document
+        )
     if not done:
         raise KernelError(f"{source.name} is no readable STEP file (cut short?): {remedy}")
-    shapes, colours = XCAFDoc_DocumentTool.ShapeTool_s(document.Main()), XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    shapes, colours = (
+        XCAFDoc_DocumentTool.ShapeTool_s(document.Main()),
+        XCAFDoc_DocumentTool.ColorTool_s(document.Main()),
+    )
     roots = TDF_LabelSequence()
     shapes.GetFreeShapes(roots)
-    parts = [p for i in range(1, roots.Length() + 1) for p in _parts(roots.Value(i), colours, TopLoc_Location(), "")]
+    parts = [
+        p
+        for i in range(1, roots.Length() + 1)
+        for p in _parts(roots.Value(i), colours, TopLoc_Location(), "")
+    ]
     if not parts:
         raise KernelError(f"{source.name} holds no solid: sew its faces into one and export it again")
     return tuple(parts)

@@ -50,7 +50,9 @@ class Document:
             return
         parts = [(body.name, self._part(body, body.name)) for body in bodies]
         places = [self._axes() for _ in parts]
-        shape = self._add(f"SHAPE_REPRESENTATION({text(product)},{refs([self._root, *places])},#{self._space})")
+        shape = self._add(
+            f"SHAPE_REPRESENTATION({text(product)},{refs([self._root, *places])},#{self._space})"
+        )
         assembly = self._product(product, shape)
         for (name, part), place in zip(parts, places, strict=True):
             self._use(assembly, part, name, place)

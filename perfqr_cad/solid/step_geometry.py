@@ -74,7 +74,9 @@ class Geometry:
             return self.surface(surface.BasisSurface())
         writer = self._surfaces.get(type(surface))
         if writer is None:
-            raise KernelError(f"STEP has no {type(surface).__name__}: rebuild that face as a B-spline surface")
+            raise KernelError(
+                f"STEP has no {type(surface).__name__}: rebuild that face as a B-spline surface"
+            )
         mirrored = hasattr(surface, "Position") and not surface.Position().Direct()
         return writer(surface), mirrored
 
@@ -145,7 +147,9 @@ class Geometry:
 
     def _revolution(self, surface: Geom_SurfaceOfRevolution) -> int:
         axis = surface.Axis()
-        at = self._add(f"AXIS1_PLACEMENT('',#{self.point(axis.Location())},#{self.direction(axis.Direction())})")
+        at = self._add(
+            f"AXIS1_PLACEMENT('',#{self.point(axis.Location())},#{self.direction(axis.Direction())})"
+        )
         basis = surface.BasisCurve()
         profile = self.curve(basis, basis.FirstParameter(), basis.LastParameter())
         return self._add(f"SURFACE_OF_REVOLUTION('',#{profile},#{at})")
@@ -177,5 +181,3 @@ class Geometry:
             f"(BOUNDED_SURFACE()B_SPLINE_SURFACE({shape})B_SPLINE_SURFACE_WITH_KNOTS({knots})"
             f"GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_SURFACE(({weights}))REPRESENTATION_ITEM('')SURFACE())"
         )
-
-

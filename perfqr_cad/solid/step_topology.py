@@ -90,7 +90,9 @@ def in_order(wire: TopoDS_Shape, face: TopoDS_Face) -> list[TopoDS_Edge]:
     if wire.Orientation() == REVERSED:
         edges.reverse()
     ends = [TopExp.LastVertex_s(e, True) for e in edges]
-    if all(TopExp.FirstVertex_s(e, True).IsSame(end) for e, end in zip(edges[1:] + edges[:1], ends, strict=True)):
+    if all(
+        TopExp.FirstVertex_s(e, True).IsSame(end) for e, end in zip(edges[1:] + edges[:1], ends, strict=True)
+    ):
         return edges
     walk = BRepTools_WireExplorer(TopoDS.Wire_s(wire), face)
     walked: list[TopoDS_Edge] = []

@@ -66,7 +66,8 @@ def _stand(well: Well, chart: Chart, columns: list[Column]) -> Tube:
     slack = max(trace.tolerance_mm for column in columns for trace in column.traces)
     vertices = [[_vertex(p, slack) for p in ring] for ring in corners]
     rings = [
-        [_edge(columns[i].traces[k], row[i], row[(i + 1) % n]) for i in range(n)] for k, row in enumerate(vertices)
+        [_edge(columns[i].traces[k], row[i], row[(i + 1) % n]) for i in range(n)]
+        for k, row in enumerate(vertices)
     ]
     for k, level in enumerate(well.levels):
         if level.on_face:
@@ -74,7 +75,8 @@ def _stand(well: Well, chart: Chart, columns: list[Column]) -> Tube:
     faces: list[TopoDS_Face] = []
     for k, (upper, lower) in enumerate(pairwise(range(len(rings)))):
         sides = [
-            _drop(a, b, p, q) for a, b, p, q in zip(
+            _drop(a, b, p, q)
+            for a, b, p, q in zip(
                 vertices[upper], vertices[lower], corners[upper], corners[lower], strict=True
             )
         ]
@@ -106,7 +108,12 @@ def _drop(start: TopoDS_Vertex, end: TopoDS_Vertex, p: Array, q: Array) -> TopoD
 
 
 def _bounded(
-    curve: Geom_Curve, first: float, last: float, tolerance_mm: float, start: TopoDS_Vertex, end: TopoDS_Vertex
+    curve: Geom_Curve,
+    first: float,
+    last: float,
+    tolerance_mm: float,
+    start: TopoDS_Vertex,
+    end: TopoDS_Vertex,
 ) -> TopoDS_Edge:
     edge = TopoDS_Edge()
     BUILDER.MakeEdge(edge, curve, tolerance_mm)
@@ -124,7 +131,9 @@ def _draw(surface: Geom_Surface, edges: list[TopoDS_Edge], traces: list[Trace]) 
             BUILDER.Range(edge, trace.first, trace.last)
 
 
-def _wall(wall: Wall, upper: TopoDS_Edge, lower: TopoDS_Edge, left: TopoDS_Edge, right: TopoDS_Edge) -> TopoDS_Face:
+def _wall(
+    wall: Wall, upper: TopoDS_Edge, lower: TopoDS_Edge, left: TopoDS_Edge, right: TopoDS_Edge
+) -> TopoDS_Face:
     """The face between two levels; `left` drops at the start of the segment, `right` at its end.
 
     Seen from outside, its boundary runs along the lower edge, up, back along the upper edge, down.

@@ -25,7 +25,9 @@ class Walls:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.draft_deg) and 0 <= self.draft_deg <= MOST_DRAFT_DEG):
-            raise DesignError(f"draft {self.draft_deg:g}° is outside 0° to {MOST_DRAFT_DEG:g}°: choose one within")
+            raise DesignError(
+                f"draft {self.draft_deg:g}° is outside 0° to {MOST_DRAFT_DEG:g}°: choose one within"
+            )
         if not (math.isfinite(self.lip_mm) and self.lip_mm >= 0):
             raise DesignError(f"lip {self.lip_mm:g} mm is not a length of 0 mm or more")
         if self.depth_mm is not None and not (math.isfinite(self.depth_mm) and self.depth_mm > 0):

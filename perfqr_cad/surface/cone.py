@@ -60,7 +60,9 @@ class Cone(Placement):
     def normal(self, uv: ArrayLike) -> Array:
         _, angle = self._unrolled(uv)
         sin, cos = math.sin(self.half_angle_rad), math.cos(self.half_angle_rad)
-        return np.column_stack([cos * np.sin(angle), np.full_like(angle, self.upward * sin), cos * np.cos(angle)])
+        return np.column_stack(
+            [cos * np.sin(angle), np.full_like(angle, self.upward * sin), cos * np.cos(angle)]
+        )
 
     def reach_mm(self) -> float:
         """Short of the apex, of the inner wall's apex, and of a full turn."""

@@ -155,7 +155,9 @@ class Placement(ABC):
         sine = np.einsum("ki,ki->k", along_u, along_v) / lengths
         shear = np.degrees(np.abs(np.arcsin(np.clip(sine, -1, 1))))
         tilt = np.degrees(np.arccos(np.clip(self.normal(grid) @ self.normal((0.0, 0.0))[0], -1, 1)))
-        return Distortion(*(float(x) for x in (area.max(), area.mean(), shear.max(), shear.mean(), tilt.max())))
+        return Distortion(
+            *(float(x) for x in (area.max(), area.mean(), shear.max(), shear.mean(), tilt.max()))
+        )
 
     def largest_size_mm(self, limit: DistortionLimit | None = None) -> float:
         """Edge of the largest code that keeps the limit, to 0.1 % and never above; may be infinite."""
@@ -189,7 +191,9 @@ class Placement(ABC):
     def tangents(self, at: Array, depth_mm: ArrayLike = 0.0) -> tuple[Array, Array]:
         """∂p/∂u and ∂p/∂v at (k, 2) pattern points and a depth, by central differences, each (k, 3)."""
         steps = (np.array([STEP_MM, 0.0]), np.array([0.0, STEP_MM]))
-        along = [(self.at_depth(at + s, depth_mm) - self.at_depth(at - s, depth_mm)) / (2 * STEP_MM) for s in steps]
+        along = [
+            (self.at_depth(at + s, depth_mm) - self.at_depth(at - s, depth_mm)) / (2 * STEP_MM) for s in steps
+        ]
         return along[0], along[1]
 
 

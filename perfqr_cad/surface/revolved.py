@@ -49,7 +49,9 @@ class Revolved(Placement):
     def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
         at = pairs(uv)
         angle, meridian = self.angle(at), self.meridian_at(at[:, 1], depth_mm)
-        return np.column_stack([meridian[:, 0] * np.sin(angle), meridian[:, 1], meridian[:, 0] * np.cos(angle)])
+        return np.column_stack(
+            [meridian[:, 0] * np.sin(angle), meridian[:, 1], meridian[:, 0] * np.cos(angle)]
+        )
 
     def normal(self, uv: ArrayLike) -> Array:
         at = pairs(uv)
@@ -128,10 +130,14 @@ class Revolution(Revolved):
         if len(points) < 4:
             raise DesignError(f"a profile of {len(points)} points makes no smooth meridian: give at least 4")
         if not (np.isfinite(points).all() and (np.diff(points[:, 1]) > 0).all()):
-            raise DesignError("the heights of a profile must rise from point to point: sort them, drop equal ones")
+            raise DesignError(
+                "the heights of a profile must rise from point to point: sort them, drop equal ones"
+            )
         low, high = points[0, 1], points[-1, 1]
         if not low < self.height_mm < high:
-            raise DesignError(f"height {self.height_mm:g} mm is off the profile: choose one in {low:g} to {high:g} mm")
+            raise DesignError(
+                f"height {self.height_mm:g} mm is off the profile: choose one in {low:g} to {high:g} mm"
+            )
         if (least := float(self._along(np.linspace(*self.span, 257))[:, 0].min())) <= self.thickness_mm:
             thinner("surface of revolution", self.thickness_mm, max(least, 0.0))
 

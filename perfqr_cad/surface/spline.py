@@ -57,7 +57,9 @@ def interpolated(x: Array, values: Array) -> Spline:
 def tensor(x: Array, y: Array, values: Array) -> TensorSpline:
     """The bicubic through values (k, m, d) on a grid of at least 4 × 4."""
     u_knots, v_knots = not_a_knot(x), not_a_knot(y)
-    return TensorSpline(u_knots, v_knots, _both_ways(collocation(u_knots, x), collocation(v_knots, y), values))
+    return TensorSpline(
+        u_knots, v_knots, _both_ways(collocation(u_knots, x), collocation(v_knots, y), values)
+    )
 
 
 def fitted(function: Callable[[Array], Array], knots: Array) -> Spline:
@@ -71,7 +73,9 @@ def tensor_fitted(function: Callable[[Array], Array], u_knots: Array, v_knots: A
     u, v = greville(u_knots), greville(v_knots)
     grid = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1)
     values = function(grid.reshape(-1, 2)).reshape(len(u), len(v), -1)
-    return TensorSpline(u_knots, v_knots, _both_ways(collocation(u_knots, u), collocation(v_knots, v), values))
+    return TensorSpline(
+        u_knots, v_knots, _both_ways(collocation(u_knots, u), collocation(v_knots, v), values)
+    )
 
 
 def refined_knots(knots: Array, pieces: int) -> Array:

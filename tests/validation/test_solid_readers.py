@@ -44,7 +44,9 @@ def symmetric_difference(a: object, b: object) -> float:
 def test_a_plate_equals_boxes_cut_one_by_one() -> None:
     brute = BRepPrimAPI_MakeBox(gp_Pnt(-7, -7, 0), 14, 14, 2).Shape()
     for x, y in CELLS[:12]:
-        brute = BRepAlgoAPI_Cut(brute, BRepPrimAPI_MakeBox(gp_Pnt(x - 0.4, y - 0.4, -1), 0.8, 0.8, 4).Shape()).Shape()
+        brute = BRepAlgoAPI_Cut(
+            brute, BRepPrimAPI_MakeBox(gp_Pnt(x - 0.4, y - 0.4, -1), 0.8, 0.8, 4).Shape()
+        ).Shape()
     solid = build_region(Region(OUTER, REGION.holes[:12]), Plane(2.0))
     assert symmetric_difference(solid.shape, brute) < 1e-6 * solid.volume_mm3
 
@@ -121,12 +123,20 @@ def drafted() -> Solid:
 def test_prusaslicer_slices_without_a_warning(drafted: Solid, tmp_path: Path) -> None:
     import trimesh
 
-    trimesh.Trimesh(drafted.triangles.vertices, drafted.triangles.faces, process=False).export(tmp_path / "p.stl")
+    trimesh.Trimesh(drafted.triangles.vertices, drafted.triangles.faces, process=False).export(
+        tmp_path / "p.stl"
+    )
     command = ["prusa-slicer", "--export-gcode", "-o", str(tmp_path / "p.gcode"), str(tmp_path / "p.stl")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     assert "warning" not in (done.stdout + done.stderr).lower()
-    info = subprocess.run(["prusa-slicer", "--info", str(tmp_path / "p.stl")], capture_output=True, text=True, timeout=120, check=True)
+    info = subprocess.run(
+        ["prusa-slicer", "--info", str(tmp_path / "p.stl")],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
     assert "number_of_parts =  1" in info.stdout
     assert "manifold = yes" in info.stdout
 
@@ -140,7 +150,9 @@ def test_freecad_reads_one_valid_solid(drafted: Solid, tmp_path: Path) -> None:
         f"shape = Part.Shape()\nshape.read({str(tmp_path / 'part.step')!r})\n"
         "print('FOUND', len(shape.Solids), shape.isValid(), repr(shape.Volume))\n"
     )
-    done = subprocess.run(["freecadcmd", str(script)], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(
+        ["freecadcmd", str(script)], capture_output=True, text=True, timeout=120, check=False
+    )
     (line,) = [x for x in done.stdout.splitlines() if x.startswith("FOUND")]
     _, solids, valid, volume = line.split()
     assert (solids, valid) == ("1", "True")

@@ -10,7 +10,7 @@ from perfqr_cad.solid.frontends.convert import to_cadquery
 from perfqr_cad.solid.frontends.plate import plate
 
 
-def perforatedQR(  # noqa: N802 - CadQuery's own style of names
+def perforatedQR(
     self: cadquery.Workplane,
     text: str,
     size_mm: float | None = None,

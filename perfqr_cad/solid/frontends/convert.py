@@ -23,7 +23,10 @@ def shape_of(part: Solid | Any) -> TopoDS_Shape:
         part = part.val()
     part = getattr(part, "part", part)  # a build123d builder
     if hasattr(part, "wrapped"):
-        return part.wrapped
+        from perfqr_cad.solid.imported.kernel import solids
+
+        found = solids(part.wrapped)
+        return found[0] if len(found) == 1 else part.wrapped
     if hasattr(part, "triangles") and part.shape is None:
         raise KernelError(f"{part.name!r} has triangles only: write it as STL or 3MF, or ask for an exact panel")
     return getattr(part, "shape", part)
@@ -33,7 +36,7 @@ def to_build123d(part: Solid | Any) -> build123d.Part:
     """The same shape as a build123d `Part`, with its name and colour."""
     import build123d
 
-    made = build123d.Part(shape_of(part))
+    made = build123d.Part(build123d.Compound([build123d.Solid(shape_of(part))]).wrapped)
     made.label = getattr(part, "name", "") or getattr(part, "label", "")
     colour = getattr(part, "colour", None)
     if colour is not None:

@@ -125,12 +125,7 @@ class Body:
 
 def body_of_mesh(triangles: Triangles) -> Body:
     """A closed mesh with its facets' own normals; connected surfaces of negative volume bound cavities."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    a, b = triangles.faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
-    count = len(triangles.vertices)
-    _, label = connected_components(coo_matrix((np.ones(len(a)), (a, b)), shape=(count, count)), directed=False)
+    label = connected(triangles.faces[:, [0, 1, 1, 2]].reshape(-1, 2), len(triangles.vertices))
     surface = label[triangles.faces[:, 0]]
     corners = triangles.vertices[triangles.faces] - triangles.vertices.mean(axis=0)
     volumes = np.bincount(surface, np.einsum("ki,ki->k", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]))
@@ -173,16 +168,21 @@ def weld(vertices: Array, faces: Index, tolerance_mm: float) -> tuple[Triangles,
     """Vertices closer than the tolerance made one; triangles that lose a corner are dropped (mask returned)."""
     from scipy.spatial import cKDTree
 
-    parent = np.arange(len(vertices))
-    for a, b in cKDTree(vertices).query_pairs(tolerance_mm, output_type="ndarray"):
-        low, high = sorted((parent[a], parent[b]))
-        parent[high] = low
-    while not np.array_equal(parent, parent[parent]):
-        parent = parent[parent]
-    unique, index = np.unique(parent, return_inverse=True)
+    near = cKDTree(vertices).query_pairs(tolerance_mm, output_type="ndarray")
+    label = connected(near, len(vertices))
+    _, first, index = np.unique(label, return_index=True, return_inverse=True)
     corners = index[faces]
     kept = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
-    return Triangles(vertices[unique], corners[kept]), kept
+    return Triangles(vertices[first], corners[kept]), kept
+
+
+def connected(pairs: Index, count: int) -> Index:
+    """Numbers of the connected groups that each of `count` nodes belongs to, given linked pairs (k, 2)."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return connected_components(links, directed=False)[1]
 
 
 def _facets(face: TopoDS_Face) -> tuple[Array, Index, Array] | None:

@@ -77,7 +77,7 @@ def _inside(body: Body, low: Array, counts: Array, cell: float) -> NDArray[np.bo
     return (np.cumsum(steps, axis=1) > 0).reshape(counts)
 
 
-def _contour(depth: Array, low: Array, cell: float, at_mm: float):  # noqa: ANN202 - a manifold3d.Manifold
+def _contour(depth: Array, low: Array, cell: float, at_mm: float):
     """The closed surface where the depth is `at_mm`, without small bubbles."""
     import manifold3d
     from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
-from perfqr_cad.solid.imported.body import weld
+from perfqr_cad.solid.imported.body import connected, weld
 from perfqr_cad.solid.imported.tool import manifold_of, triangles_of
 from perfqr_cad.surface import Triangles
 
@@ -20,6 +20,11 @@ WELD_SHARE = 1e-6  # of the diagonal: single-precision files round corners by ab
 FILL_SHARE = 0.15
 DUST_SHARE = 1e-6  # of the greatest body's volume: pieces below are rubbish from modelling
 SHORTEST = 1e-9
+PROBES = 64  # vertices that tell whether one surface lies inside another
+PATCH_EDGES = 4  # rims of so few edges are a lost triangle or two
+INNER = 1e-7  # of a segment or triangle: touching at ends and rims is no crossing
+FLAT = 1e-12  # of the sizes involved: a segment in the plane of a triangle does not cross it
+BEYOND = 1e-3  # of an edge: how far behind a hit the caster looks on
 
 
 @dataclass(frozen=True)
@@ -75,12 +80,16 @@ def _filled(vertices: Array, faces: Index, longest_mm: float) -> tuple[Array, In
         return vertices, faces, 0
     loops, tangled = _loops(rims)
     lengths = [float(np.linalg.norm(np.diff(vertices[[*loop, loop[0]]], axis=0), axis=1).sum()) for loop in loops]
-    open_rims = [length for length in lengths if length > longest_mm]
+    open_rims = [
+        length
+        for length, loop in zip(lengths, loops, strict=True)
+        if length > longest_mm and len(loop) > PATCH_EDGES
+    ]
     if open_rims or tangled:
         longest = max(open_rims, default=0.0)
         raise KernelError(
             f"the mesh is open: {len(rims)} edges have one triangle only, in {len(loops) + tangled} rims, the longest "
-            f"{longest:.4g} mm round (up to {longest_mm:.3g} mm is filled): close it in the program it comes from"
+            f"{longest:.4g} mm round (up to {longest_mm:.3g} mm or {PATCH_EDGES} edges is filled): close it in the program it comes from"
         )
     fans = []
     for k, loop in enumerate(loops):
@@ -135,16 +144,14 @@ def _consistent(faces: Index) -> Index:
 
 def _bodies(mesh: Triangles) -> tuple[list[Triangles], int]:
     """Closed bodies, greatest first, each with the cavities inside it; and how much dust was swept away."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    a, b = mesh.faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
-    count = len(mesh.vertices)
-    _, label = connected_components(coo_matrix((np.ones(len(a)), (a, b)), shape=(count, count)), directed=False)
-    pieces = [_outward(_compact(mesh, label[mesh.faces[:, 0]] == k)) for k in np.unique(label[mesh.faces[:, 0]])]
+    edges = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    # Every edge has two triangles by now. Surfaces that share a mere vertex stay apart.
+    pairs = np.lexsort(edges.T).reshape(-1, 2) // 3
+    label = connected(pairs, len(mesh.faces))
+    pieces = [_outward(_compact(mesh, label == k)) for k in range(int(label.max()) + 1)]
     pieces.sort(key=lambda m: -m.volume_mm3)
     solid = [p for p in pieces if p.volume_mm3 > DUST_SHARE * pieces[0].volume_mm3]
-    depth = [sum(_inside(p.vertices[0], q) for q in solid if q is not p) for p in solid]
+    depth = [sum(_inside(p, q) for q in solid if q is not p) for p in solid]
     bodies = [p for p, d in zip(solid, depth, strict=True) if d % 2 == 0]
     cavities = [p for p, d in zip(solid, depth, strict=True) if d % 2 == 1]
     return [_with_cavities(body, cavities, bodies) for body in bodies], len(pieces) - len(solid)
@@ -155,7 +162,7 @@ def _with_cavities(body: Triangles, cavities: list[Triangles], bodies: list[Tria
     own = [
         Triangles(c.vertices, c.faces[:, ::-1])
         for c in cavities
-        if min((b for b in bodies if _inside(c.vertices[0], b)), key=lambda b: b.volume_mm3) is body
+        if min((b for b in bodies if _inside(c, b)), key=lambda b: b.volume_mm3) is body
     ]
     return body.joined(*own) if own else body
 
@@ -169,7 +176,13 @@ def _outward(mesh: Triangles) -> Triangles:
     return mesh if mesh.volume_mm3 >= 0 else Triangles(mesh.vertices, mesh.faces[:, ::-1])
 
 
-def _inside(point: Array, mesh: Triangles) -> bool:
+def _inside(inner: Triangles, outer: Triangles) -> bool:
+    """Whether one closed mesh lies wholly inside another; surfaces that cross lie in none."""
+    step = max(1, len(inner.vertices) // PROBES)
+    return all(_winds_round(point, outer) for point in inner.vertices[::step])
+
+
+def _winds_round(point: Array, mesh: Triangles) -> bool:
     """Whether a point lies inside a closed mesh: its winding number by solid angles (van Oosterom and Strackee)."""
     a, b, c = np.moveaxis(mesh.vertices[mesh.faces] - point, 1, 0)
     la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
@@ -193,39 +206,36 @@ def self_crossings(mesh: Triangles) -> int:
     active, offset = np.arange(len(edges)), np.zeros(len(edges))
     while len(active):
         unit = span[active] / length[active, None]
-        _, ray, triangle = caster.intersects_location(
+        at, ray, triangle = caster.intersects_location(
             start[active] + offset[active, None] * unit, unit, multiple_hits=False
         )
         edge = active[ray]
-        share, strict = _pierces(mesh, triangle, start[edge], span[edge])
-        ahead = (share > offset[edge] / length[edge]) & (share < 1)
         touching = (mesh.faces[triangle][:, :, None] == edges[edge][:, None, :]).any(axis=(1, 2))
-        pierced[edge[ahead & strict & ~touching]] = True
-        # A neighbour's triangle may hide what lies behind it: look again from just beyond.
-        again = ahead & ~pierced[edge]
-        offset[edge[again]] = share[again] * length[edge[again]] + 1e-3 * length[edge[again]]
-        active = edge[again & (offset[edge] < length[edge])]
+        pierced[edge[_pierces(mesh, triangle, start[edge], span[edge]) & ~touching]] = True
+        # A neighbour's triangle may hide what lies behind it: look again from just beyond the hit.
+        reached = np.linalg.norm(at - start[edge], axis=1)
+        offset[edge] = np.maximum(offset[edge], reached) + BEYOND * length[edge]
+        active = edge[~pierced[edge] & (offset[edge] < length[edge])]
     return int(pierced.sum())
 
 
-def _pierces(mesh: Triangles, triangle: Index, start: Array, span: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Where segments cross the planes of triangles, as shares of the segments, and whether strictly inside both.
+def _pierces(mesh: Triangles, triangle: Index, start: Array, span: Array) -> NDArray[np.bool_]:
+    """Whether segments cross triangles, strictly inside both.
 
     Möller and Trumbore in double precision; the ray caster's single precision only proposes.
     """
-    margin = 1e-7
     a, b, c = np.moveaxis(mesh.vertices[mesh.faces[triangle]], 1, 0)
     side_b, side_c, to = b - a, c - a, start - a
     p = np.cross(span, side_c)
     det = np.einsum("ki,ki->k", side_b, p)
     scale = np.linalg.norm(span, axis=1) * np.linalg.norm(side_b, axis=1) * np.linalg.norm(side_c, axis=1)
-    flat = np.abs(det) <= 1e-12 * scale
+    flat = np.abs(det) <= FLAT * scale
     det = np.where(flat, 1.0, det)
     q = np.cross(to, side_b)
     u, v = np.einsum("ki,ki->k", to, p) / det, np.einsum("ki,ki->k", span, q) / det
-    share = np.where(flat, 1.0, np.einsum("ki,ki->k", side_c, q) / det)
-    inside = (u > margin) & (v > margin) & (u + v < 1 - margin) & (share > margin) & (share < 1 - margin)
-    return share, inside & ~flat
+    share = np.einsum("ki,ki->k", side_c, q) / det
+    inside = (u > INNER) & (v > INNER) & (u + v < 1 - INNER) & (share > INNER) & (share < 1 - INNER)
+    return inside & ~flat
 
 
 def _one(bodies: list[Triangles], part: int | None) -> Triangles:

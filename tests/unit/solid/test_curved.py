@@ -16,7 +16,9 @@ WALLS: dict[str, Placement] = {
     "sphere": Sphere(40.0, 2.0),
     "cone": Cone(30.0, -20.0, 2.0),
     "vase": Revolution(VASE, 40.0, 2.0),
-    "free form": HeightField.of(lambda x, y: -(x * x + y * y) / 100 + 0.3 * np.sin(x / 5), 12.0, 2.0, samples=17),
+    "free form": HeightField.of(
+        lambda x, y: -(x * x + y * y) / 100 + 0.3 * np.sin(x / 5), 12.0, 2.0, samples=17
+    ),
 }
 HOLES = (
     Loop.from_points([(-1, -1), (-1, 1), (1, 1), (1, -1)]),

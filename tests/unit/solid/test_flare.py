@@ -19,7 +19,9 @@ TAN = math.tan(math.radians(10))
 
 
 def square(x: float, y: float, half: float) -> Loop:
-    return Loop.from_points([(x - half, y - half), (x - half, y + half), (x + half, y + half), (x + half, y - half)])
+    return Loop.from_points(
+        [(x - half, y - half), (x - half, y + half), (x + half, y + half), (x + half, y - half)]
+    )
 
 
 def ell() -> Loop:
@@ -69,7 +71,9 @@ def test_webs_keep_their_least_width() -> None:
     region = Region(OUTER, (square(-2.5, 0, 2), square(2.5, 0, 2)))
     left, _ = flares(region, 0.35, 0.8)
     assert sorted(left.tolist()) == pytest.approx([0.1, 0.35, 0.35, 0.35])
-    back = Region(OUTER, tuple(widened(h, f) for h, f in zip(region.holes, flares(region, 0.35, 0.8), strict=True)))
+    back = Region(
+        OUTER, tuple(widened(h, f) for h, f in zip(region.holes, flares(region, 0.35, 0.8), strict=True))
+    )
     assert min(w.min() for w in webs(back, 1.0)) == pytest.approx(0.8)
     solid = build_region(region, Plane(2.0), Walls(draft_deg=10.0), min_web_mm=0.8)
     assert solid.valid
@@ -96,7 +100,9 @@ def test_a_draft_with_no_room_at_all_is_refused() -> None:
         build_region(Region(frame, thin), Plane(2.0), Walls(draft_deg=10.0), min_web_mm=0.8)
 
 
-@pytest.mark.parametrize("walls", [{"draft_deg": -1.0}, {"draft_deg": 80.0}, {"lip_mm": -0.1}, {"depth_mm": 0.0}])
+@pytest.mark.parametrize(
+    "walls", [{"draft_deg": -1.0}, {"draft_deg": 80.0}, {"lip_mm": -0.1}, {"depth_mm": 0.0}]
+)
 def test_absurd_walls_are_refused(walls: dict[str, float]) -> None:
     with pytest.raises(DesignError):
         Walls(**walls)

@@ -25,18 +25,18 @@ def code() -> PerforatedQR:
 def test_algebra_mode(code: PerforatedQR) -> None:
     assert code.is_valid
     box = code.bounding_box()
-    assert box.size.X == pytest.approx(SIZE, abs=1e-6)
-    assert (box.min.Z, box.max.Z) == (pytest.approx(0, abs=1e-6), pytest.approx(2, abs=1e-6))
+    assert pytest.approx(SIZE, abs=1e-6) == box.size.X
+    assert (pytest.approx(0, abs=1e-6), pytest.approx(2, abs=1e-6)) == (box.min.Z, box.max.Z)
     both = code + Pos(0, -SIZE / 2 - 5, 0) * Box(SIZE, 12, 2, align=(Align.CENTER, Align.CENTER, Align.MIN))
     assert len(both.solids()) == 1
-    assert both.volume == pytest.approx(code.volume + SIZE * 11, rel=1e-6)
+    assert both.volume == pytest.approx(code.volume + SIZE * 11 * 2, rel=1e-6)
 
 
 def test_builder_mode_with_align_rotation_and_mode() -> None:
     with BuildPart() as stand:
         PerforatedQR(TEXT, SIZE, 2.0, version=1, rotation=(90, 0, 0), align=(Align.MIN, Align.MIN, Align.MAX))
     box = stand.part.bounding_box()
-    assert (box.min.X, box.size.Z) == (pytest.approx(0, abs=1e-6), pytest.approx(SIZE, abs=1e-6))
+    assert (pytest.approx(0, abs=1e-6), pytest.approx(SIZE, abs=1e-6)) == (box.min.X, box.size.Z)
     with BuildPart() as alone:
         Box(100, 100, 2)
         made = PerforatedQR(TEXT, SIZE, 2.0, version=1, mode=Mode.PRIVATE)

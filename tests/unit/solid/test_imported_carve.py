@@ -16,7 +16,21 @@ from perfqr_cad.solid.imported import ImportedFace, kernel
 from perfqr_cad.solid.imported.tool import prism
 from perfqr_cad.solid.walls import Walls
 
-from .imports import SHARED, SKETCH, STRAIGHT, Sketch, ball, code, difference, few_holes, holes_area, seen, tray, tube, write_step
+from .imports import (
+    SHARED,
+    SKETCH,
+    STRAIGHT,
+    Sketch,
+    ball,
+    code,
+    difference,
+    few_holes,
+    holes_area,
+    seen,
+    tray,
+    tube,
+    write_step,
+)
 
 FRONT = {"point": (0.0, -100.0, 15.0), "direction": (0.0, 1.0, 0.0)}
 

@@ -142,7 +142,7 @@ def test_a_solid_mesh_asks_for_hollow_or_depth() -> None:
         MeshTarget.of(mesh, point=(0, 0, 20)).placement(20)
     target = MeshTarget.of(mesh, point=(0, 0, 20), depth_mm=1.0)
     solid = target.solid(SKETCH, target.placement(20), STRAIGHT)
-    assert mesh.volume_mm3 - solid.volume_mm3 == pytest.approx(holes_area(few_holes()), rel=1e-3)
+    assert mesh.volume_mm3 - solid.volume_mm3 == pytest.approx(holes_area(few_holes()), rel=5e-3)
 
 
 def test_the_flattest_spot_is_taken_and_a_bad_one_refused() -> None:

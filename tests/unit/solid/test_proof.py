@@ -24,7 +24,9 @@ OUTER = Loop.from_points([(-10, -10), (10, -10), (10, 10), (-10, 10)])
 
 
 def square(x: float, y: float, half: float) -> Loop:
-    return Loop.from_points([(x - half, y - half), (x - half, y + half), (x + half, y + half), (x + half, y - half)])
+    return Loop.from_points(
+        [(x - half, y - half), (x - half, y + half), (x + half, y + half), (x + half, y - half)]
+    )
 
 
 def dot(x: float, y: float, radius: float) -> Loop:
@@ -105,7 +107,6 @@ def test_an_image_that_strays_is_found_out() -> None:
     assert check(solid) == ()
     from OCP.BRep import BRep_Tool
     from OCP.Geom import Geom_CylindricalSurface
-    from OCP.TopLoc import TopLoc_Location
 
     face = TopoDS.Face_s(explore(solid, FACE)[0])
     surface = BRep_Tool.Surface_s(face)

@@ -101,7 +101,8 @@ def test_a_missing_file_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "written"), [(0.0, "0."), (-0.0, "0."), (1.5, "1.5"), (1e-7, "1.E-7"), (-2.5e20, "-2.5E20"), (3.0, "3.")]
+    ("value", "written"),
+    [(0.0, "0."), (-0.0, "0."), (1.5, "1.5"), (1e-7, "1.E-7"), (-2.5e20, "-2.5E20"), (3.0, "3.")],
 )
 def test_numbers_have_a_point(value: float, written: str) -> None:
     assert real(value) == written

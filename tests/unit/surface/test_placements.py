@@ -37,7 +37,9 @@ UV = np.random.default_rng(5).uniform(-10, 10, (40, 2))
 def test_frames_are_right_handed_and_never_mirror(name: str) -> None:
     placement = PLACEMENTS[name]
     frames = placement.frame(UV)
-    np.testing.assert_allclose(frames @ frames.transpose(0, 2, 1), np.broadcast_to(np.eye(3), (40, 3, 3)), atol=1e-9)
+    np.testing.assert_allclose(
+        frames @ frames.transpose(0, 2, 1), np.broadcast_to(np.eye(3), (40, 3, 3)), atol=1e-9
+    )
     assert (np.linalg.det(frames) > 0).all()
     along_u, along_v = placement.tangents(UV)
     area = np.cross(along_u, along_v)
