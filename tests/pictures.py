@@ -112,9 +112,9 @@ def qart(seed: int, version: int | None = None) -> Sample:
     random.seed(seed)
     content = text(seed, 4)
     source = io.BytesIO()
-    photo(seed).save(source, "PNG")
+    photo(seed, 120).save(source, "PNG")
     with contextlib.redirect_stdout(io.StringIO()):
-        artist = QArtist(content, QArtSourceImage(source), version or 4 + seed % 12, dither=seed % 2 == 0)
+        artist = QArtist(content, QArtSourceImage(source), version or 3 + seed % 3, dither=seed % 2 == 0)
         drawn = QrImagePrinter.print(artist, None, point_width=2 + seed % 6, border_width=(seed % 5) * 6)
     return Sample("qart", np.array(drawn.convert("RGB")), content.encode(), exact=False)
 
