@@ -28,7 +28,9 @@ def shape_of(part: Solid | Any) -> TopoDS_Shape:
         found = solids(part.wrapped)
         return found[0] if len(found) == 1 else part.wrapped
     if hasattr(part, "triangles") and part.shape is None:
-        raise KernelError(f"{part.name!r} has triangles only: write it as STL or 3MF, or ask for an exact panel")
+        raise KernelError(
+            f"{part.name!r} has triangles only: write it as STL or 3MF, or ask for an exact panel"
+        )
     return getattr(part, "shape", part)
 
 

@@ -128,7 +128,9 @@ def body_of_mesh(triangles: Triangles) -> Body:
     label = connected(triangles.faces[:, [0, 1, 1, 2]].reshape(-1, 2), len(triangles.vertices))
     surface = label[triangles.faces[:, 0]]
     corners = triangles.vertices[triangles.faces] - triangles.vertices.mean(axis=0)
-    volumes = np.bincount(surface, np.einsum("ki,ki->k", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]))
+    volumes = np.bincount(
+        surface, np.einsum("ki,ki->k", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2])
+    )
     inner = (volumes[surface] < 0).astype(np.int64)
     bare = Body(triangles, inner, np.zeros((0, 3, 3)), True)
     return Body(triangles, inner, np.repeat(bare.facet_normals[:, None, :], 3, axis=1), True)
@@ -172,7 +174,9 @@ def weld(vertices: Array, faces: Index, tolerance_mm: float) -> tuple[Triangles,
     label = connected(near, len(vertices))
     _, first, index = np.unique(label, return_index=True, return_inverse=True)
     corners = index[faces]
-    kept = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
+    kept = (
+        (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
+    )
     return Triangles(vertices[first], corners[kept]), kept
 
 

@@ -44,7 +44,9 @@ def carve(host: Host, region: Region, laid: Laid, walls: Walls, min_web_mm: floa
     """
     wells = hole_wells(region.holes, laid.thickness_mm, walls, False, min_web_mm=min_web_mm)
     sinking = list(zip(region.holes, wells, strict=True))
-    crossing = [hole for (hole, _), over in zip(sinking, _over_edges(host, sinking, laid), strict=True) if over]
+    crossing = [
+        hole for (hole, _), over in zip(sinking, _over_edges(host, sinking, laid), strict=True) if over
+    ]
     base = host
     if crossing:
         base = Host(host.name, _cut(host, crossing, laid, walls))
@@ -61,7 +63,9 @@ def carve(host: Host, region: Region, laid: Laid, walls: Walls, min_web_mm: floa
     if not _is_valid(shape, host):
         problems.append("the kernel's check fails")
     if problems:
-        raise KernelError(f"the perforated solid is not sound ({'; '.join(problems)}): move the code a little")
+        raise KernelError(
+            f"the perforated solid is not sound ({'; '.join(problems)}): move the code a little"
+        )
     volume = occ.volume(shape)
     return Solid(
         shape=shape,

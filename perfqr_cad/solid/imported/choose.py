@@ -64,12 +64,12 @@ def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wish: Wish)
     frame = _centre(host, int(order[0]), wish.up)
     reason = problem(survey(host.body, frame, size_mm)) or "no place takes it"
     largest = max(_largest_mm(host, _centre(host, int(i), wish.up), problem, size_mm) for i in order[:8])
-    raise DesignError(f"no face of {host.name!r} takes a code of {size_mm:.4g} mm; on the largest, {reason}{_size(largest)}")
+    raise DesignError(
+        f"no face of {host.name!r} takes a code of {size_mm:.4g} mm; on the largest, {reason}{_size(largest)}"
+    )
 
 
-def _on_face(
-    host: Host, index: int, size_mm: float, problem: Problem, up: ArrayLike | None
-) -> Survey | None:
+def _on_face(host: Host, index: int, size_mm: float, problem: Problem, up: ArrayLike | None) -> Survey | None:
     """The first spot of a face, from its middle outwards, that takes the code; best one without edges or seams."""
     over_edges: Survey | None = None
     for frame in _spots(host, index, up):
@@ -123,7 +123,9 @@ def _judged(host: Host, frame: Frame, size_mm: float, problem: Problem, wish: Wi
             f"{_size(largest)}; the nearest place that works is {away:.3g} mm away: point={_triple(nearest.origin)} "
             f"direction={_triple(-nearest.axes[2])}"
         )
-    raise DesignError(f"a code of {size_mm:.4g} mm does not work at {_triple(frame.origin)}: {reason}{remedy}")
+    raise DesignError(
+        f"a code of {size_mm:.4g} mm does not work at {_triple(frame.origin)}: {reason}{remedy}"
+    )
 
 
 def _largest_mm(host: Host, frame: Frame, problem: Problem, size_mm: float) -> float:
@@ -139,7 +141,9 @@ def _largest_mm(host: Host, frame: Frame, problem: Problem, size_mm: float) -> f
     return low
 
 
-def _nearest(host: Host, frame: Frame, size_mm: float, problem: Problem, up: ArrayLike | None) -> Frame | None:
+def _nearest(
+    host: Host, frame: Frame, size_mm: float, problem: Problem, up: ArrayLike | None
+) -> Frame | None:
     points, normals, faces = host.body.samples(2 * CANDIDATES, SEED)
     facing = normals @ frame.axes[2]
     # The same side of the part first: another side is rarely what was meant.
@@ -199,5 +203,3 @@ def _size(largest_mm: float) -> str:
 
 def _triple(v: ArrayLike) -> str:
     return "(" + ",".join(f"{x:.4g}" for x in np.asarray(v, float)) + ")"
-
-

@@ -29,7 +29,11 @@ SQUARE = 1e-12  # 1 − cosine of the angle at which a plane counts as square to
 
 def chart_between(laid: Laid, front: Skin, back: Skin | None, reach_mm: float) -> Chart:
     """The chart of holes from one face to another, or (no `back`) to floors `reach_mm` below the front."""
-    if isinstance(laid, Projected) and laid.is_flat and all(_square(s, laid) for s in (front, back) if s is not None):
+    if (
+        isinstance(laid, Projected)
+        and laid.is_flat
+        and all(_square(s, laid) for s in (front, back) if s is not None)
+    ):
         return PlanePairChart(laid.frame_at_centre, front, back, reach_mm)
     return FaceChart(laid, front, back, reach_mm)
 

@@ -62,7 +62,9 @@ class Host:
     def has_edges_under(self, frame: Frame, size_mm: float, depth_mm: float) -> bool:
         """Whether an edge runs through the box under a code, from just before its front to `depth_mm` behind."""
         x, y, h = frame.to_frame(self.edge_points).T
-        return bool(np.any((np.maximum(np.abs(x), np.abs(y)) < size_mm / 2) & (h < depth_mm) & (h > -depth_mm)))
+        return bool(
+            np.any((np.maximum(np.abs(x), np.abs(y)) < size_mm / 2) & (h < depth_mm) & (h > -depth_mm))
+        )
 
     def nearest(self, point: Array) -> tuple[int, Array]:
         """The face nearest to a point, by place, and the nearest point on it."""

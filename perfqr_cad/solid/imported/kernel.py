@@ -204,7 +204,9 @@ def cut(solid: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
     operation.SetNonDestructive(True)
     operation.Build()
     if not operation.IsDone():
-        raise KernelError(f"cutting {len(tools)} holes failed in the kernel: move the code or change its size a little")
+        raise KernelError(
+            f"cutting {len(tools)} holes failed in the kernel: move the code or change its size a little"
+        )
     found = solids(operation.Shape())
     if len(found) != 1:
         raise KernelError(f"cutting {len(tools)} holes left {len(found)} solids instead of 1: move the code")

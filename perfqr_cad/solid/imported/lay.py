@@ -144,5 +144,3 @@ def _spline(values: Array, span_mm: float) -> RectBivariateSpline:
     line = np.linspace(-span_mm / 2, span_mm / 2, len(values))
     degree = min(3, len(values) - 1)
     return RectBivariateSpline(line, line, values, kx=degree, ky=degree, s=0)
-
-

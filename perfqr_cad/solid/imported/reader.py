@@ -38,7 +38,9 @@ def read_part(path: str | Path, part: str | int | None = None) -> Part:
     if part is None or part == "":
         if len(parts) == 1:
             return parts[0]
-        raise DesignError(f"{Path(path).name} is an assembly of {len(parts)} solids: choose part={_names(parts)}")
+        raise DesignError(
+            f"{Path(path).name} is an assembly of {len(parts)} solids: choose part={_names(parts)}"
+        )
     chosen = [p for p in parts if p.name == str(part)]
     if not chosen and str(part).isdigit() and 1 <= int(part) <= len(parts):
         chosen = [parts[int(part) - 1]]
@@ -83,7 +85,9 @@ def _check_envelope(path: Path) -> None:
     if STEP_MAGIC not in data[:512]:
         raise KernelError(f"{path.name} is not a STEP file (no ISO-10303-21 header): export it as STEP")
     if STEP_END not in data[-512:]:
-        raise KernelError(f"{path.name} is cut short after {len(data)} bytes (no end mark): copy or export it again")
+        raise KernelError(
+            f"{path.name} is cut short after {len(data)} bytes (no end mark): copy or export it again"
+        )
 
 
 def _transfer(path: Path) -> list[tuple[str, TopoDS_Shape]]:
@@ -117,7 +121,9 @@ def _transfer(path: Path) -> list[tuple[str, TopoDS_Shape]]:
     return leaves
 
 
-def _collect(label: TDF_Label, location: TopLoc_Location, name: str, out: list[tuple[str, TopoDS_Shape]]) -> None:
+def _collect(
+    label: TDF_Label, location: TopLoc_Location, name: str, out: list[tuple[str, TopoDS_Shape]]
+) -> None:
     """Walk an assembly: components carry the place, their prototypes the shape."""
     from OCP.TDF import TDF_Label, TDF_LabelSequence
     from OCP.XCAFDoc import XCAFDoc_ShapeTool

@@ -57,5 +57,3 @@ def _wall(host: Host, points: Array, laid: Laid) -> Array:
             exact[on] = host.skins[i].meet(origins[on], frames[on], guesses[on], laid.thickness_mm)[1]
         ends.append(exact)
     return np.einsum("ki,ki->k", ends[0] - ends[1], frames[:, 2])
-
-

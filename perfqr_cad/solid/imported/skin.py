@@ -91,7 +91,9 @@ class Skin:
         u, v = search.LowerDistanceParameters()
         return u, v
 
-    def derivatives(self, u: float, v: float) -> tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]:
+    def derivatives(
+        self, u: float, v: float
+    ) -> tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]:
         """Point, ∂u, ∂v; and ∂uu, ∂vv, ∂uv, each (3,)."""
         from OCP.gp import gp_Pnt, gp_Vec
 
@@ -125,7 +127,9 @@ class Skin:
             if at is not None:
                 found = self._newton(origins[k], frames[k], at, guesses[k], reach_mm)
             if found is None:
-                found = self._newton(origins[k], frames[k], self.nearest_seed(guesses[k]), guesses[k], reach_mm)
+                found = self._newton(
+                    origins[k], frames[k], self.nearest_seed(guesses[k]), guesses[k], reach_mm
+                )
             if found is None:
                 where = ", ".join(f"{x:.3f}" for x in guesses[k])
                 raise KernelError(f"the wall's surface cannot be followed at ({where}): move the code")

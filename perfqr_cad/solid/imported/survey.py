@@ -39,7 +39,9 @@ class Frame:
             if np.linalg.norm(e2) > 0.1 * np.linalg.norm(wanted):
                 e2 /= np.linalg.norm(e2)
                 return Frame(np.asarray(origin, float), np.stack([np.cross(e2, n), e2, n]))
-        raise DesignError(f"up={_vector(tries[0])} points along the face's normal: choose another up direction")
+        raise DesignError(
+            f"up={_vector(tries[0])} points along the face's normal: choose another up direction"
+        )
 
     def to_space(self, xyh: ArrayLike) -> Array:
         """Points (k, 3) of space from frame coordinates (k, 3)."""
@@ -115,7 +117,9 @@ class Survey:
         least, most = self.thickness_range_mm
         if depth_mm is not None:
             if depth_mm >= least:
-                return f"pockets of {depth_mm:g} mm break through the wall of {least:.3g} mm: set depth below it"
+                return (
+                    f"pockets of {depth_mm:g} mm break through the wall of {least:.3g} mm: set depth below it"
+                )
             return None
         if most > wall_limit_mm:
             return (

@@ -26,7 +26,9 @@ Triple = tuple[float, float, float]
 # A version-1 code with its quiet zone is 29 modules wide: the widest module a code of given size can have.
 LEAST_MODULES = 29
 GRID = 65  # samples a side of the placement's height field
-WRAP_SEEN = 0.8  # of a wrapped code's edge: what the reader before the centre sees of it on a strongly bent face
+WRAP_SEEN = (
+    0.8  # of a wrapped code's edge: what the reader before the centre sees of it on a strongly bent face
+)
 MARGIN = 1.02  # the field reaches a little beyond the code, for derivatives on its rim
 
 
@@ -100,7 +102,9 @@ class ImportedFace:
         laid.check(size_mm)
         along = survey_wrapped(self.host.body, laid, size_mm)
         if (reason := self._problem(along)) is not None:
-            raise DesignError(f"a code of {size_mm:.4g} mm cannot be wrapped here: {reason}; project it, move it or take it smaller")
+            raise DesignError(
+                f"a code of {size_mm:.4g} mm cannot be wrapped here: {reason}; project it, move it or take it smaller"
+            )
         return replace(laid, thickness_mm=along.thickness_mm)
 
     def _problem(self, found: Survey) -> str | None:

@@ -43,7 +43,9 @@ def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> To
     front = laid.frame_at_centre.to_frame(points)[:, 2] + met.offset_mm
     margin = CLEARANCE * laid.thickness_mm
     top = float(front.max()) + margin
-    bottom = float((front - met.wall_mm).min()) - margin if depth_mm is None else float(front.min()) - depth_mm
+    bottom = (
+        float((front - met.wall_mm).min()) - margin if depth_mm is None else float(front.min()) - depth_mm
+    )
     plate = PlaneChart(Plane(top - bottom))
     block = panel(wells(Region(hole.oriented(ccw=True)), top - bottom, Walls(), True), plate)
     e1, _, n = laid.frame_at_centre.axes
@@ -66,7 +68,9 @@ def carved_mesh(body: Body, wells: Sequence[Well], laid: Laid) -> Triangles:
         raise KernelError(f"carving the mesh failed in manifold3d ({result.status().name}): move the code")
     before, after = len(solid.decompose()), len(result.decompose())
     if after > before:
-        raise KernelError(f"carving left {after - before} loose pieces: choose a thicker place or a larger code")
+        raise KernelError(
+            f"carving left {after - before} loose pieces: choose a thicker place or a larger code"
+        )
     return triangles_of(result)
 
 

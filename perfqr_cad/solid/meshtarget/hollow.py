@@ -65,7 +65,10 @@ def _depths(body: Body, low: Array, extent: Array, cell: float, wanted_mm: float
 
 def _inside(body: Body, low: Array, counts: Array, cell: float) -> NDArray[np.bool_]:
     """Which grid nodes lie inside: parity of crossings along columns in z."""
-    x, y = (a.ravel() for a in np.meshgrid(*(low[i] + (np.arange(counts[i]) - 0.5) * cell for i in (0, 1)), indexing="ij"))
+    x, y = (
+        a.ravel()
+        for a in np.meshgrid(*(low[i] + (np.arange(counts[i]) - 0.5) * cell for i in (0, 1)), indexing="ij")
+    )
     # A shift that is no fraction of a cell keeps columns off vertices and edges of gridded meshes.
     shift = cell * np.array([1.7e-4, 2.3e-4])
     start = low[2] - 2 * cell

@@ -83,7 +83,9 @@ def fit_patch(body: Body, laid: Projected, size_mm: float) -> Patch:
     line = np.linspace(-half, half, SAMPLES)
     height = survey(body, laid.frame_at_centre, 2 * half, SAMPLES).height_mm
     if np.isnan(height).any():
-        raise DesignError("the code lies too near to the rim for an exact panel: move it 1 % of its size inwards")
+        raise DesignError(
+            "the code lies too near to the rim for an exact panel: move it 1 % of its size inwards"
+        )
     knots, poles, rms, worst = line, height, 0.0, np.inf
     for spans in SPANS:
         knots, poles, error = _least_squares(line, height, spans)

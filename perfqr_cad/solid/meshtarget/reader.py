@@ -16,7 +16,14 @@ Array = NDArray[np.float64]
 
 FORMATS = ("stl", "obj", "ply", "off", "3mf")
 # 3MF core specification 1.3, §3.4: the units a model may be in.
-MM_PER_UNIT = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+MM_PER_UNIT = {
+    "micron": 1e-3,
+    "millimeter": 1.0,
+    "centimeter": 10.0,
+    "inch": 25.4,
+    "foot": 304.8,
+    "meter": 1000.0,
+}
 MOST_XML_BYTES = 1 << 30  # of an unpacked model part: more is no part but an attack
 
 
@@ -47,7 +54,9 @@ def _read_plain(path: Path, kind: str) -> tuple[Array, NDArray[np.int64]]:
         loaded = trimesh.load(path, file_type=kind, force="mesh", process=False)
     except (ValueError, IndexError, KeyError, TypeError, AttributeError, EOFError, OSError) as error:
         reason = " ".join(str(error).split())[:80]
-        raise KernelError(f"{path.name} cannot be read as {kind.upper()} ({reason}): export the mesh again") from error
+        raise KernelError(
+            f"{path.name} cannot be read as {kind.upper()} ({reason}): export the mesh again"
+        ) from error
     faces = np.asarray(getattr(loaded, "faces", np.empty((0, 3))), np.int64)
     return np.asarray(loaded.vertices, np.float64), faces
 
@@ -56,7 +65,9 @@ def _read_3mf(path: Path) -> tuple[Array, NDArray[np.int64]]:
     """All build items of a 3MF package, placed, in mm."""
     try:
         with zipfile.ZipFile(path) as package:
-            model = next((i for i in package.infolist() if i.filename.lower().endswith("3dmodel.model")), None)
+            model = next(
+                (i for i in package.infolist() if i.filename.lower().endswith("3dmodel.model")), None
+            )
             if model is None or model.file_size > MOST_XML_BYTES:
                 raise KernelError(f"{path.name} holds no 3-D model part: export it again")
             root = ElementTree.fromstring(package.read(model))
@@ -86,7 +97,10 @@ def _objects(
     mesh = objects[key].find("{*}mesh")
     if mesh is not None:
         vertices = [[float(v.get(a, "nan")) for a in "xyz"] for v in mesh.iterfind("{*}vertices/{*}vertex")]
-        faces = [[int(t.get(a, "0")) for a in ("v1", "v2", "v3")] for t in mesh.iterfind("{*}triangles/{*}triangle")]
+        faces = [
+            [int(t.get(a, "0")) for a in ("v1", "v2", "v3")]
+            for t in mesh.iterfind("{*}triangles/{*}triangle")
+        ]
         points = np.array(vertices, float).reshape(-1, 3)
         corners = np.array(faces, np.int64).reshape(-1, 3)
         if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):

@@ -79,7 +79,9 @@ def _filled(vertices: Array, faces: Index, longest_mm: float) -> tuple[Array, In
     if not len(rims):
         return vertices, faces, 0
     loops, tangled = _loops(rims)
-    lengths = [float(np.linalg.norm(np.diff(vertices[[*loop, loop[0]]], axis=0), axis=1).sum()) for loop in loops]
+    lengths = [
+        float(np.linalg.norm(np.diff(vertices[[*loop, loop[0]]], axis=0), axis=1).sum()) for loop in loops
+    ]
     open_rims = [
         length
         for length, loop in zip(lengths, loops, strict=True)
@@ -187,7 +189,9 @@ def _winds_round(point: Array, mesh: Triangles) -> bool:
     a, b, c = np.moveaxis(mesh.vertices[mesh.faces] - point, 1, 0)
     la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
     volume = np.einsum("ki,ki->k", a, np.cross(b, c))
-    dots = np.einsum("ki,ki->k", a, b) * lc + np.einsum("ki,ki->k", b, c) * la + np.einsum("ki,ki->k", c, a) * lb
+    dots = (
+        np.einsum("ki,ki->k", a, b) * lc + np.einsum("ki,ki->k", b, c) * la + np.einsum("ki,ki->k", c, a) * lb
+    )
     return bool(abs(2 * np.arctan2(volume, la * lb * lc + dots).sum()) > 2 * np.pi)
 
 
@@ -249,7 +253,9 @@ def _one(bodies: list[Triangles], part: int | None) -> Triangles:
         return bodies[0]
     sizes = ", ".join(f"{b.volume_mm3:.4g}" for b in bodies[:5]) + (", …" if len(bodies) > 5 else "")
     if part is None:
-        raise DesignError(f"the mesh has {len(bodies)} separate bodies ({sizes} mm³): choose part=1 to {len(bodies)}")
+        raise DesignError(
+            f"the mesh has {len(bodies)} separate bodies ({sizes} mm³): choose part=1 to {len(bodies)}"
+        )
     if not 1 <= part <= len(bodies):
         raise DesignError(f"no part {part}: the mesh has {len(bodies)} separate bodies, 1 the greatest")
     return bodies[part - 1]

@@ -135,5 +135,3 @@ def _projected(body: Body, found: Survey) -> Projected:
     heights = RegularGridInterpolator((line, line), near.height_mm, bounds_error=False, fill_value=None)
     grid = np.stack(np.meshgrid(wider, wider, indexing="ij"), axis=-1)
     return Projected(found.frame, span, heights(grid), found.thickness_mm)
-
-

@@ -34,7 +34,9 @@ def difference(a: TopoDS_Shape, b: TopoDS_Shape) -> TopoDS_Shape:
 def tray(wall: float = 2.0) -> TopoDS_Shape:
     """A box of 60 × 50 × 30 mm, open at the top."""
     outer = BRepPrimAPI_MakeBox(gp_Pnt(-30, -25, 0), 60, 50, 30).Shape()
-    inner = BRepPrimAPI_MakeBox(gp_Pnt(-30 + wall, -25 + wall, wall), 60 - 2 * wall, 50 - 2 * wall, 40).Shape()
+    inner = BRepPrimAPI_MakeBox(
+        gp_Pnt(-30 + wall, -25 + wall, wall), 60 - 2 * wall, 50 - 2 * wall, 40
+    ).Shape()
     return difference(outer, inner)
 
 
@@ -80,7 +82,9 @@ STRAIGHT = Walls()
 
 
 def code(text: str, size_mm: float) -> Pattern:
-    return build(encode(text, version=1, level="L"), PatternSpec(size_mm=size_mm, nozzle_mm=0.2, quiet_modules=2))
+    return build(
+        encode(text, version=1, level="L"), PatternSpec(size_mm=size_mm, nozzle_mm=0.2, quiet_modules=2)
+    )
 
 
 def seen(triangles, frame, size_mm: float, pixels: int = 400) -> np.ndarray:

@@ -46,7 +46,11 @@ def test_builder_mode_with_align_rotation_and_mode() -> None:
 
 
 def test_cadquery_places_one_at_every_point() -> None:
-    made = cadquery.Workplane().pushPoints([(0, 0), (50, 0)]).perforatedQR(TEXT, SIZE, 2.0, version=1, combine=False)
+    made = (
+        cadquery.Workplane()
+        .pushPoints([(0, 0), (50, 0)])
+        .perforatedQR(TEXT, SIZE, 2.0, version=1, combine=False)
+    )
     assert made.solids().size() == 2
     upright = cadquery.Workplane("XZ").perforatedQR(TEXT, SIZE, 2.0, version=1)
     box = upright.val().BoundingBox()
@@ -69,7 +73,9 @@ def test_conversions_share_the_shape(code: PerforatedQR) -> None:
 def test_refusals() -> None:
     with pytest.raises(DesignError, match="no setting 'colour'"):
         PerforatedQR(TEXT, SIZE, colour="red")
-    mesh = Triangles([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    mesh = Triangles(
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    )
     carved = Solid(None, mesh, True, 1, 4, 6, 1 / 6, ((0, 0, 0), (1, 1, 1)))
     with pytest.raises(KernelError, match="triangles only"):
         to_build123d(carved)

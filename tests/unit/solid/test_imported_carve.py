@@ -47,7 +47,11 @@ def lost(target: ImportedFace, solid) -> float:
 @pytest.mark.parametrize("wrap", [False, True])
 @pytest.mark.parametrize(
     ("shape", "place"),
-    [(tray(), FRONT), (tube(), {"point": (0.0, -100.0, 25.0), "direction": (0.0, 1.0, 0.0)}), (ball(), {"point": (0.0, -30.0, 0.0)})],
+    [
+        (tray(), FRONT),
+        (tube(), {"point": (0.0, -100.0, 25.0), "direction": (0.0, 1.0, 0.0)}),
+        (ball(), {"point": (0.0, -30.0, 0.0)}),
+    ],
     ids=["tray", "tube", "ball"],
 )
 def test_holes_go_through_the_wall(shape, place, wrap: bool) -> None:
