@@ -26,14 +26,14 @@ OVERLOAD = 1.15  # stress over χ at the pressure where reinforcement is shown
 
 
 def run(out: Path) -> Table:
-    """Write fig11-paper.png and fig11-<method>.png into a folder; the figures of each case as a table."""
+    """Write fig11-5pa.png and fig11-<method>.png into a folder; the figures of each case as a table."""
     out.mkdir(parents=True, exist_ok=True)
     pattern = build(encode(TEXT, version=VERSION), PatternSpec(size_mm=SIZE_MM, finder="diagonal"))
     plate = Plane(THICKNESS_MM)
     at_paper = analyse(pattern, plate, load=Pressure(PAPER_PRESSURE_MPA), yield_mpa=YIELD_MPA)
     pressure = PAPER_PRESSURE_MPA * OVERLOAD * YIELD_MPA / at_paper.max_stress_mpa
     rows = [_row("paper's pressure", PAPER_PRESSURE_MPA, at_paper, None)]
-    _figure(out / "fig11-paper.png", [("5 Pa", at_paper, None)])
+    _figure(out / "fig11-5pa.png", [("5 Pa", at_paper, None)])
     for method in ("optimal", "paper"):
         result = reinforce(pattern, plate, load=Pressure(pressure), yield_mpa=YIELD_MPA, method=method)
         rows.append(_row("before", pressure, result.before, None))

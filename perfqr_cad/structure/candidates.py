@@ -77,6 +77,8 @@ def holes_of(polygon: Polygon) -> NDArray[np.object_]:
 
 def affordable(pattern: Pattern, start: Floats, end: Floats, width: Floats) -> Candidates:
     """The bars that leave L(Q) finite and touch no finder or alignment ring, with their losses."""
+    if not len(start):
+        return Candidates(start, end, width, width, width)
     tracker = ReadabilityTracker(pattern.symbol, pattern.observed)
     today = tracker.total
     dark = pattern.observed.dark

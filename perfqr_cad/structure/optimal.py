@@ -148,7 +148,7 @@ class OptimalChoice:
         self,
         analysis: Reanalysis,
         bars: Candidates,
-        coupling: sp.csc_array,
+        coupling: sp.csc_matrix,
         open_rows: NDArray[np.bool_],
         module_mm: float,
     ) -> list[int]:
@@ -166,7 +166,7 @@ class OptimalChoice:
             return []
         columns = _columns(coupling, short.tolist(), len(bars))
         flexible = analysis.solve(columns.toarray())
-        modes = coupling.shape[1] // len(bars)
+        modes = (len(coupling.indptr) - 1) // len(bars)
         own = bar_tensors(analysis.model.section, bars.take(short), modes)
         exact = _Round(now, operator @ flexible, columns.T @ flexible, columns.T @ analysis.displacement, own)
         return [int(short[k]) for k in self._greedy(exact, price[short])]
@@ -174,13 +174,13 @@ class OptimalChoice:
     def _short_list(
         self,
         analysis: Reanalysis,
-        coupling: sp.csc_array,
+        coupling: sp.csc_matrix,
         adjoint: Floats,
         price: Floats,
         open_rows: NDArray[np.bool_],
     ) -> Ints:
         """The bars that promise most by first-order sensitivity per price."""
-        modes = coupling.shape[1] // len(price)
+        modes = (len(coupling.indptr) - 1) // len(price)
         strain = (coupling.T @ analysis.displacement).reshape(-1, modes)
         wish = (coupling.T @ adjoint).reshape(-1, modes)
         # A bar far stiffer than the part takes what the part yields, not what its own stiffness asks for.
@@ -191,7 +191,7 @@ class OptimalChoice:
         return order[gain[order] > 0.0]
 
     def _host_flexibility(
-        self, analysis: Reanalysis, coupling: sp.csc_array, open_rows: NDArray[np.bool_], modes: int
+        self, analysis: Reanalysis, coupling: sp.csc_matrix, open_rows: NDArray[np.bool_], modes: int
     ) -> Floats:
         """Typical flexibility of the part under each mode of a bar, from an even sample; computed once."""
         if self._host is None:
@@ -254,10 +254,10 @@ def _gradient(tensors: Floats, places: int) -> Floats:
     return (weight[..., None] * slope).ravel()
 
 
-def _columns(coupling: sp.csc_array, rows: list[int], count: int) -> sp.csc_array:
+def _columns(coupling: sp.csc_matrix, rows: list[int], count: int) -> sp.csc_matrix:
     """The columns of C that belong to some bars."""
-    modes = coupling.shape[1] // count
-    return coupling[:, (np.array(rows)[:, None] * modes + np.arange(modes)).ravel()]
+    modes = (len(coupling.indptr) - 1) // count
+    return sp.csc_matrix(coupling[:, (np.array(rows)[:, None] * modes + np.arange(modes)).ravel()])
 
 
 def _in_the_way(bars: Candidates, row: int, gap_mm: float) -> NDArray[np.bool_]:

@@ -42,12 +42,12 @@ class Reanalysis:
     @property
     def modes(self) -> int:
         """Columns of C laid so far."""
-        return self._couplings.shape[1]
+        return len(self._couplings.indptr) - 1
 
     def add(self, coupling: sp.csc_matrix) -> None:
         """Lay bridges for good; C (n, modes) of them all."""
         self._flexibility = np.hstack([self._flexibility, self._factor.solve(coupling.toarray())])
-        self._couplings = sp.hstack([self._couplings, coupling], format="csc")
+        self._couplings = sp.csc_matrix(sp.hstack([self._couplings, coupling]))
         self.displacement = self._corrected(self._base)
 
     def subset(self, operator: sp.csr_matrix) -> Callable[[NDArray[np.bool_]], Floats]:
@@ -62,9 +62,9 @@ class Reanalysis:
         return seen
 
     def _corrected(self, unbridged: Floats) -> Floats:
-        if not self._couplings.shape[1]:
+        if not self.modes:
             return unbridged
-        small = np.eye(self._couplings.shape[1]) + self._couplings.T @ self._flexibility
+        small = np.eye(self.modes) + self._couplings.T @ self._flexibility
         return unbridged - self._flexibility @ np.linalg.solve(small, self._couplings.T @ unbridged)
 
     def measure(self) -> Floats:
