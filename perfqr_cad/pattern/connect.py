@@ -29,7 +29,8 @@ FINDER_PRICE = 8.0  # expected misread modules for painting over a module that a
 QUIET_PRICE = 8.0  # expected misread modules for a module's area of material in a void quiet zone
 LENGTH_PRICE = 1e-3  # of the area price: of two routes that cost the same, the shorter
 STEPS_PER_MODULE = 4
-MOST_CONFLICT_ROUNDS = 6
+CONFLICT_ROUNDS = 6  # of the solver that share the time limit
+MOST_CONFLICTS = 200  # then what was found is taken
 STAR_QUANTILE = 0.5  # of the tree's prices: no arm of a junction is dearer
 
 
@@ -71,14 +72,13 @@ def _least_loss(
     """The routes that lose the fewest codewords, where every choice by price alone loses some."""
     links = [Link(r.islands, r.price, damage.codewords(r.rectangles(brush))) for r in candidates]
     conflicts: list[Conflict] = []
-    for _ in range(MOST_CONFLICT_ROUNDS):
-        chosen, optimality = cheapest(links, conflicts, time_limit_s / MOST_CONFLICT_ROUNDS)
+    while True:
+        chosen, optimality = cheapest(links, conflicts, time_limit_s / CONFLICT_ROUNDS)
         routes = [candidates[k] for k in chosen]
         more = damage.joint(_painted(draft, routes, brush), routes, chosen, links, brush)
-        if not more:
-            break
         conflicts += more
-    return routes, optimality
+        if not more or len(conflicts) > MOST_CONFLICTS:
+            return routes, optimality
 
 
 def brush_step(per_module: int, scale: int) -> int:

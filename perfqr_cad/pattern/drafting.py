@@ -63,6 +63,7 @@ def printable(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[Draft
     module_mm, reason = module_size(symbol, spec, art)
     solid_is_dark = spec.tone == "inverted"
     right_solid = symbol.matrix.dark == solid_is_dark
+    lost = 0
     for _ in range(MOST_GROWTHS):
         asked = _asked(symbol, spec, art, module_mm)
         if asked.shapes:
@@ -72,7 +73,8 @@ def printable(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[Draft
         if spec.size_mm is not None:
             return draft, reason
         held, kept = (_wrong_codewords(d, symbol, solid_is_dark) for d in (asked, draft))
-        if kept <= held:
+        lost = kept - held
+        if lost <= 0:
             return draft, reason
         modules = symbol.size + 2 * spec.quiet_modules
         module_mm = rounded_up(module_mm * GROWTH * modules) / modules
@@ -80,7 +82,7 @@ def printable(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[Draft
             f"module {module_mm:.3g} mm: smaller ones lose codewords of the art to the {spec.web_mm:g} mm web"
         )
     raise DesignError(
-        f"the art loses {kept - held} codewords to webs of {spec.web_mm:g} mm even at modules of"
+        f"the art loses {lost} codewords to webs of {spec.web_mm:g} mm even at modules of"
         f" {module_mm:.3g} mm: use a finer nozzle or plainer art"
     )
 

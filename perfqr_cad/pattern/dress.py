@@ -85,8 +85,8 @@ def smoothed(region: Region, tolerance_mm: float) -> Region:
     import shapely
 
     def smooth(loop: Loop, ccw: bool) -> Loop:
-        ring = shapely.Polygon(loop.flatten()).simplify(SIMPLIFY_PART * tolerance_mm)
-        return _bent(Loop.from_points(np.asarray(ring.exterior.coords)[:-1]).oriented(ccw), tolerance_mm)
+        ring = shapely.simplify(shapely.Polygon(loop.flatten()), SIMPLIFY_PART * tolerance_mm)
+        return _bent(Loop.from_points(shapely.get_coordinates(ring)[:-1]).oriented(ccw), tolerance_mm)
 
     return Region(smooth(region.outer, True), tuple(smooth(hole, False) for hole in region.holes))
 

@@ -168,7 +168,8 @@ def _drawn_loops(draft: Draft) -> list[Points]:
     sound = shapely.is_valid([shapely.Polygon(loop) for loop in sharp])
     lattice = draft.lattice
     half, scale = lattice.cells / 2, np.array([lattice.cell_mm, -lattice.cell_mm])
-    return [((s if ok else p) - half) * scale for s, p, ok in zip(sharp, plain, sound, strict=True)]
+    drawn = [s if ok else p.astype(np.float64) for s, p, ok in zip(sharp, plain, sound, strict=True)]
+    return [(points - half) * scale for points in drawn]
 
 
 def _in_pieces(count: int) -> DesignError:

@@ -88,8 +88,8 @@ def sights(labels: Labels, per_module: int) -> Iterator[Sight]:
     gap = np.hypot(np.maximum(np.abs(x1 - x0) - 1, 0), np.maximum(np.abs(y1 - y0) - 1, 0))
     order = np.lexsort((gap, other, own))
     pair = own[order] * (int(labels.max()) + 1) + other[order]
-    first = np.flatnonzero(np.diff(pair, prepend=-1))
-    rank = np.arange(len(order)) - np.repeat(first, np.diff([*first, len(order)]))
+    first = np.searchsorted(pair, pair)  # where the run of the same two islands begins
+    rank = np.arange(len(order)) - first
     for k in order[rank < MOST_PER_PAIR].tolist():
         yield Sight(
             (int(own[k]), int(other[k])), (int(x0[k]), int(y0[k])), (int(x1[k]), int(y1[k])), float(gap[k])
@@ -112,7 +112,8 @@ def _cast(
         hit = labels[y, x]
         other = (hit > 0) & (hit != own[at])
         seen = at[other]
-        found.append(np.stack([own[seen], hit[other], xs[seen], ys[seen], x[other], y[other]]))
+        columns = (own[seen], hit[other], xs[seen], ys[seen], x[other], y[other])
+        found.append(np.stack([column.astype(np.int64) for column in columns]))
         at = at[hit == 0]
         if not len(at):
             break

@@ -247,7 +247,7 @@ class _Model:
             np.array(price),
             integrality=np.ones(len(price)),
             bounds=Bounds(0, 1),
-            constraints=LinearConstraint(matrix, np.array(self._lower), np.inf),
+            constraints=LinearConstraint(matrix, self._lower, np.inf),  # pyright: ignore[reportArgumentType]
             options={"time_limit": time_limit_s, "mip_rel_gap": 0.0},
         )
 

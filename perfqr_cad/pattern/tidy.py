@@ -37,13 +37,14 @@ def _mended(draft: Draft, right_solid: Cells, side: int, solid: bool, grow: bool
         return draft
     import cv2
 
-    count, parts, boxes, _ = cv2.connectedComponentsWithStats(thin.astype(np.uint8), connectivity=8)
+    count, found, boxes, _ = cv2.connectedComponentsWithStats(thin.astype(np.uint8), connectivity=8)
+    parts = np.asarray(found, np.int32)
     needed = _needed(draft, right_solid, thin, parts, count)
     drop = thin & ~needed[parts]
     grown = draft.with_cells(drop, not solid) if drop.any() else draft
     kept = np.flatnonzero(needed)
     if grow and len(kept):
-        grown = grown.with_cells(_grown(parts, boxes, kept, side), solid)
+        grown = grown.with_cells(_grown(parts, np.asarray(boxes), kept, side), solid)
     dropped_name, grown_name = NAMES[solid]
     return (
         grown.counted(**{dropped_name: count - 1 - len(kept), grown_name: len(kept) if grow else 0})
@@ -100,7 +101,8 @@ def _without_specks(draft: Draft, web: int) -> Draft:
     """Pieces of material that nowhere reach the least web are given up."""
     import cv2
 
-    count, pieces = cv2.connectedComponents(draft.solid.astype(np.uint8), connectivity=4)
+    count, found = cv2.connectedComponents(draft.solid.astype(np.uint8), connectivity=4)
+    pieces = np.asarray(found, np.int32)
     sound = np.zeros(count, np.bool_)
     sound[np.unique(pieces[opened(draft.solid, web)])] = True
     lost = draft.solid & ~sound[pieces]

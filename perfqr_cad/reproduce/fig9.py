@@ -7,11 +7,12 @@ from pathlib import Path
 
 from perfqr_cad.capture import read
 from perfqr_cad.pattern import Pattern, PatternSpec, build
+from perfqr_cad.pattern.spec import Objective
 from perfqr_cad.progress import tell
 from perfqr_cad.reproduce.stand_ins import TABLE_1, picture
 from perfqr_cad.table import Table
 
-CURVES = (("λ = 0", "mst"), ("λ = 1", "paper"), ("optimal", "optimal"))
+CURVES: tuple[tuple[str, Objective], ...] = (("λ = 0", "mst"), ("λ = 1", "paper"), ("optimal", "optimal"))
 
 
 def run(out: Path) -> Table:
