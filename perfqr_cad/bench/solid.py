@@ -56,8 +56,8 @@ def run() -> Table:
         columns=("case", "solid + proof + mesh", "STEP", "STL", "total", "ratio to first", "target"),
         rows=tuple(rows),
         notes=(
-            f"{SIZE_MM:g} mm code, {THICKNESS_MM:g} mm thick; the naive loop is timed over {NAIVE_CUTS} cuts and "
-            "extrapolated to one for each dark module, without STEP, STL or a check",
+            f"{SIZE_MM:g} mm code, {THICKNESS_MM:g} mm thick; the naive loop is timed over {NAIVE_CUTS} cuts "
+            "and extrapolated to one for each dark module, without STEP, STL or a check",
         ),
     )
 

@@ -40,7 +40,8 @@ def build(
     colour: Colour = LIGHT,
     chord_mm: float = CHORD_MM,
 ) -> Solid:
-    """The part of a pattern, its webs no thinner at the back than the pattern's minimum. Raises `DesignError` for walls that cannot be made, `KernelError` for a bad solid."""
+    """The part of a pattern, its webs no thinner at the back than the pattern's minimum. Raises
+    `DesignError` for walls that cannot be made, `KernelError` for a bad solid."""
     return build_region(
         pattern.region,
         placement,

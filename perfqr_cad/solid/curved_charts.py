@@ -49,7 +49,8 @@ BACK = gp_Dir(0, 0, -1)  # seams of closed surfaces lie behind the axis, away fr
 
 @dataclass(frozen=True, eq=False)
 class RevolvedChart:
-    """Around the y axis: meridians stand in planes through the axis, parallels in planes, cylinders and cones.
+    """Around the y axis: meridians stand in planes through the axis, parallels in planes, cylinders and
+    cones.
 
     Surface parameters are the angle from the far side, θ + π, and v along the meridian.
     """
@@ -103,7 +104,8 @@ class RevolvedChart:
         return 1 / self.wall.radius_mm if isinstance(self.wall, Sphere) else 1.0
 
     def _exact(self, stack: tuple[Segment, ...], levels: tuple[Level, ...]) -> Column | None:
-        """Straight walls on a line of the grid, where edges and walls are lines, circles, planes and cones."""
+        """Straight walls on a line of the grid, where edges and walls are lines, circles, planes and
+        cones."""
         line = stack[0]
         if not isinstance(line, Line) or any(s != line for s in stack):
             return None
@@ -229,7 +231,8 @@ class ConeChart:
 
 @dataclass(frozen=True, eq=False)
 class HeightFieldChart:
-    """A code projected on z(x, y): lines stand in planes, arcs in cylinders. Surface parameters are x and y."""
+    """A code projected on z(x, y): lines stand in planes, arcs in cylinders. Surface parameters are x and
+    y."""
 
     wall: HeightField
     whole_circles: bool = False

@@ -1,8 +1,10 @@
 """The volume a solid must have, from the outline and the map alone: no modeller, no triangles.
 
 3 V = ∮ p · dA over the front, the back (or the floors) and the walls. On the caps dA = p_u × p_v du dv, and
-Green's theorem turns the area integral into ∮ G dv along the loops, ∂G/∂u = p · (p_u × p_v): G = z u on a plate,
-G = u · density around an axis, a fine table elsewhere. Walls are ruled between laid segments. All is integrated by
+Green's theorem turns the area integral into ∮ G dv along the loops, ∂G/∂u = p · (p_u × p_v): G = z u on a
+plate,
+G = u · density around an axis, a fine table elsewhere. Walls are ruled between laid segments. All is
+integrated by
 Gauss rules: exact on a plate up to rounding.
 """
 

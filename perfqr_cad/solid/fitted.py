@@ -1,6 +1,8 @@
-"""Columns on any wall: cubic splines through points of the map, fitted to a stated tolerance, ruled faces between.
+"""Columns on any wall: cubic splines through points of the map, fitted to a stated tolerance, ruled faces
+between.
 
-All segments are sampled at once. Each is interpolated at m + 1 equal fractions of its parameter and checked at
+All segments are sampled at once. Each is interpolated at m + 1 equal fractions of its parameter and
+checked at
 the fractions between; those that miss the tolerance are taken again with twice as many pieces.
 """
 
@@ -107,7 +109,8 @@ def lay_fitted(
 
 @dataclass(frozen=True)
 class _Net:
-    """Interpolation at m + 1 equal fractions: flat knots, samples → poles, poles → values half-way between."""
+    """Interpolation at m + 1 equal fractions: flat knots, samples → poles, poles → values half-way
+    between."""
 
     nodes: Array
     knots: tuple[float, ...]
@@ -178,7 +181,8 @@ def _wall(upper: Segment, lower: Segment, above: Array, below: Array, net: _Net,
 
 
 def upright_plane(line: Line, sight: Sight) -> Wall:
-    """The plane through a line of the pattern along the line of sight; its normal is to the right of travel."""
+    """The plane through a line of the pattern along the line of sight; its normal is to the right of
+    travel."""
     start, end = sight.at(line.start), sight.at(line.end)
     return Wall(Geom_Plane(axes(start, np.cross(end - start, sight.frame[2]), end - start)), outward=True)
 

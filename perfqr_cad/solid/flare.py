@@ -1,4 +1,5 @@
-"""How far each edge of a hole may be set back towards the back of a drafted wall, so that no web gets too thin."""
+"""How far each edge of a hole may be set back towards the back of a drafted wall, so that no web gets too
+thin."""
 
 from __future__ import annotations
 

@@ -28,7 +28,8 @@ Indices = NDArray[np.int64]
 
 CHORD_MM = 0.01  # greatest distance between mesh and surface; a twentieth of a printed layer
 
-# The corners of caps: a triangle's middle strays by up to 4/3 of what its sides' middles do on a sphere. Rings
+# The corners of caps: a triangle's middle strays by up to 4/3 of what its sides' middles do on a sphere.
+# Rings
 # are cut finer than that, or triangles beside them would be split for ever.
 CAP_SHARE = 0.75
 RING_SHARE = 0.4

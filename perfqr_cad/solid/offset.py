@@ -1,4 +1,5 @@
-"""Holes widened in the plane, segment by segment, so that the walls between stay planes, cones and ruled faces.
+"""Holes widened in the plane, segment by segment, so that the walls between stay planes, cones and ruled
+faces.
 
 `shapely.buffer` would flatten arcs and drop segments; here every segment of the widened loop lies above the
 segment it came from. Loops run with the material on their left; a set-back moves a segment to the left.
@@ -8,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -27,8 +29,10 @@ SHARE = 0.5  # a rounded corner that would shrink below this share of its radius
 def widened(loop: Loop, flares: Sequence[float]) -> Loop:
     """The loop with each segment set back to its left by its own flare, mm.
 
-    Rounded corners between lines stay tangent; joints that hardly turn take the lesser flare of the two. Where a
-    segment would vanish or turn over, it and its neighbours give way: their flares are halved, in the end dropped.
+    Rounded corners between lines stay tangent; joints that hardly turn take the lesser flare of the two.
+    Where a
+    segment would vanish or turn over, it and its neighbours give way: their flares are halved, in the end
+    dropped.
     """
     segments = loop.segments
     n = len(segments)
@@ -101,7 +105,8 @@ def _is_fillet(segments: Sequence[Segment], i: int) -> bool:
 
 
 def _fillet(segments: Sequence[Segment], back: Sequence[float], i: int) -> tuple[Array, Array, Array]:
-    """Start, end and centre of the arc that rounds the corner of its two lines, set back by their own flares."""
+    """Start, end and centre of the arc that rounds the corner of its two lines, set back by their own
+    flares."""
     arc = segments[i]
     assert isinstance(arc, Arc)
     n = len(segments)
@@ -203,6 +208,7 @@ def _turned_over(old: Segment, new: Segment) -> bool:
     return float(ahead[0] @ ahead[1]) < SHORTEST * float(ahead[0] @ ahead[0])
 
 
+@lru_cache(maxsize=1 << 17)  # each corner is asked for many times
 def tangent(segment: Segment, end: int) -> Array:
     """Unit direction of travel at the start (0) or end (1)."""
     match segment:

@@ -27,7 +27,8 @@ SAME = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class PlaneChart:
-    """Levels are horizontal planes; lines stand in planes, arcs in cylinders and cones, Béziers in ruled faces."""
+    """Levels are horizontal planes; lines stand in planes, arcs in cylinders and cones, Béziers in ruled
+    faces."""
 
     plate: Plane
     whole_circles: bool = True

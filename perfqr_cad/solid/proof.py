@@ -1,6 +1,7 @@
 """Proof that a solid is valid, in time linear in its edges (to a logarithm).
 
-`BRepCheck` compares the edges of a face pair by pair, which is quadratic on a perforated face, and passes solids
+`BRepCheck` compares the edges of a face pair by pair, which is quadratic on a perforated face, and passes
+solids
 that touch themselves. Here the shell is shown to be a closed, oriented 2-manifold with geometry to match:
 
 1. one solid of one shell; every wire runs head to tail;
@@ -69,7 +70,8 @@ def check(
         and abs(volume - expected_volume_mm3) > volume_tol * expected_volume_mm3
     ):
         found.append(
-            f"volume {volume:.9g} mm³, from the outline {expected_volume_mm3:.9g} mm³ (limit {volume_tol:g} of it)"
+            f"volume {volume:.9g} mm³, from the outline {expected_volume_mm3:.9g} mm³ "
+            f"(limit {volume_tol:g} of it)"
         )
     return tuple(found)
 

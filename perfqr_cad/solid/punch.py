@@ -1,4 +1,5 @@
-"""Perforating without booleans: loops become wires of the front and back faces, walls are stitched between."""
+"""Perforating without booleans: loops become wires of the front and back faces, walls are stitched
+between."""
 
 from __future__ import annotations
 
@@ -35,7 +36,8 @@ def punch(
     """The solid with wells sunk from a face of it, to another face of it or to floors of their own.
 
     `front` and `back` are faces as the solid holds them (`back` None when every well is a pocket);
-    `chart.surface(0)` and `chart.surface(chart.thickness_mm)` must be their surfaces, as `BRep_Tool.Surface_s`
+    `chart.surface(0)` and `chart.surface(chart.thickness_mm)` must be their surfaces, as
+    `BRep_Tool.Surface_s`
     gives them. Loops must lie strictly inside both faces and apart: see `proof.check`, which the caller runs.
     """
     made = tubes(tuple(wells), chart)

@@ -13,7 +13,8 @@ from .chart import Trace, Wall
 from .occ import Array, line_2d, spline_curve_2d, spline_surface
 
 RULING_KNOTS = (0.0, 0.0, 1.0, 1.0)
-# A rational quadratic span covers at most a quarter turn; each span's angle-to-parameter map is fitted by this
+# A rational quadratic span covers at most a quarter turn; each span's angle-to-parameter map is fitted by
+# this
 # many cubics, which leaves h⁴/384·|t⁗| < 1e-7 of a span.
 QUARTER_RAD = math.pi / 2
 PIECES = 24

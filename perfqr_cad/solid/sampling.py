@@ -23,7 +23,8 @@ def by_kind(segments: Sequence[Segment]) -> dict[type, Indices]:
 
 
 def positions(segments: Sequence[Segment], fractions: Array) -> Array:
-    """Points (k, q, 2) at q fractions of each segment's parameter (the angle, on arcs); the ends to the bit."""
+    """Points (k, q, 2) at q fractions of each segment's parameter (the angle, on arcs); the ends to the
+    bit."""
     return _evaluated(segments, fractions)[0]
 
 

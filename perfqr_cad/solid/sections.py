@@ -44,7 +44,8 @@ def wells(
 ) -> tuple[Well, ...]:
     """The outer loop, straight from front to back, and then every hole.
 
-    Raises `DesignError` when pockets leave no floor, a lip leaves nothing to flare, or a draft closes an edge.
+    Raises `DesignError` when pockets leave no floor, a lip leaves nothing to flare, or a draft closes an
+    edge.
     """
     outer = _laid(region.outer, whole_circles)
     rim = Well((outer, outer), (Level(0.0, True), Level(thickness_mm, True)))
@@ -63,7 +64,8 @@ def hole_wells(
     outer: Loop | None = None,
     min_web_mm: float = 0.0,
 ) -> tuple[Well, ...]:
-    """The holes alone, clockwise loops. Where a draft would leave less than `min_web_mm` of material at the back,
+    """The holes alone, clockwise loops. Where a draft would leave less than `min_web_mm` of material at
+    the back,
     it is less; `outer` bounds the material, None where it goes on beyond the holes.
     """
     reach = walls.reach_mm(thickness_mm)

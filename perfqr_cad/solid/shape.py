@@ -22,7 +22,8 @@ class Solid:
     """A solid in mm. `valid` says that every check passed; `problems` says which did not.
 
     shape                the exact B-rep; None when there are triangles only (a carved mesh)
-    expected_volume_mm3  from the outline and the surface, without the modeller; None where there is no such figure
+    expected_volume_mm3  from the outline and the surface, without the modeller; None where there is no
+    such figure
     bbox_mm              least and greatest corner
     extras               further solids of the same part, such as a backing plate
     """

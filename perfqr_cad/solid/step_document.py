@@ -1,4 +1,5 @@
-"""The product structure around solids: units, names, colours, layers, an assembly of several (ISO 10303-242)."""
+"""The product structure around solids: units, names, colours, layers, an assembly of several (ISO
+10303-242)."""
 
 from __future__ import annotations
 

@@ -130,7 +130,8 @@ class Geometry:
         return self._add(f"CYLINDRICAL_SURFACE('',#{self._axes(surface)},{real(surface.Radius())})")
 
     def _cone(self, surface: Geom_ConicalSurface) -> int:
-        """STEP wants a semi-angle above 0: a cone that narrows along its axis is turned about, normal kept."""
+        """STEP wants a semi-angle above 0: a cone that narrows along its axis is turned about, normal
+        kept."""
         frame, angle = surface.Position(), surface.SemiAngle()
         axis = frame.Direction() if angle > 0 else frame.Direction().Reversed()
         at = self._frame(frame.Location(), axis, frame.XDirection())

@@ -1,7 +1,9 @@
 """Solids of the kernel as STEP boundary representations, in time linear in their edges.
 
-The kernel's own writer runs its shape-healing tools on every face first (`ShapeFix_SplitCommonVertex` compares
-all pairs of wires), which is quadratic in the wires of a perforated face. A solid that was checked needs none.
+The kernel's own writer runs its shape-healing tools on every face first (`ShapeFix_SplitCommonVertex`
+compares
+all pairs of wires), which is quadratic in the wires of a perforated face. A solid that was checked needs
+none.
 """
 
 from __future__ import annotations
@@ -85,7 +87,8 @@ class Topology:
 
 
 def in_order(wire: TopoDS_Shape, face: TopoDS_Face) -> list[TopoDS_Edge]:
-    """The edges of a wire head to tail; as stored, where they are so, which spares the kernel's slower walk."""
+    """The edges of a wire head to tail; as stored, where they are so, which spares the kernel's slower
+    walk."""
     edges = [TopoDS.Edge_s(e) for e in children(wire)]
     if wire.Orientation() == REVERSED:
         edges.reverse()

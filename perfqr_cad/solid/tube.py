@@ -1,6 +1,7 @@
 """The walls of one hole (or of the rim): shared edges, exact images, material to the left of travel.
 
-Seen from the reader, the outer loop runs counter-clockwise and holes run clockwise. Out of the material is then
+Seen from the reader, the outer loop runs counter-clockwise and holes run clockwise. Out of the material is
+then
 always to the right of travel, for the rim and for every hole alike.
 """
 
@@ -176,7 +177,8 @@ def _floor(chart: Chart, depth_mm: float, rim: TopoDS_Wire) -> TopoDS_Face:
 
 
 def cap(chart: Chart, depth_mm: float, wires: list[TopoDS_Wire], *, outwards: bool) -> TopoDS_Face:
-    """A face at a level, its wires given as seen by the reader; `outwards`: its outside is the reader's side."""
+    """A face at a level, its wires given as seen by the reader; `outwards`: its outside is the reader's
+    side."""
     face = TopoDS_Face()
     BUILDER.MakeFace(face, chart.surface(depth_mm), TOLERANCE_MM)
     seen = chart.towards_reader(depth_mm)

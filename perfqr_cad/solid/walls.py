@@ -34,7 +34,8 @@ class Walls:
             raise DesignError(f"depth {self.depth_mm:g} mm is not above 0 mm")
 
     def reach_mm(self, thickness_mm: float) -> float:
-        """Depth of the holes in a wall of that thickness. Raises `DesignError` when there is no floor left."""
+        """Depth of the holes in a wall of that thickness. Raises `DesignError` when there is no floor
+        left."""
         if self.depth_mm is None:
             return thickness_mm
         if self.depth_mm >= thickness_mm:

@@ -30,7 +30,8 @@ class Cone(Placement):
         positive("thickness_mm", self.thickness_mm)
         if not 0.1 <= abs(self.half_angle_deg) <= 80:
             raise DesignError(
-                f"a cone of half-angle {self.half_angle_deg:g}° is outside 0.1° to 80°: take a cylinder or a plate"
+                f"a cone of half-angle {self.half_angle_deg:g}° is outside 0.1° to 80°: "
+                "take a cylinder or a plate"
             )
         thinner("cone", self.thickness_mm, self.radius_mm * math.cos(self.half_angle_rad))
 

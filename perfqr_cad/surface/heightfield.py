@@ -35,7 +35,8 @@ class HeightField(Placement):
     def of(
         height: Callable[[Array, Array], Array], half_mm: float, thickness_mm: float, samples: int = 33
     ) -> HeightField:
-        """The spline through `height(x, y)` on a square grid of `samples` points a side. x and y are (k, m)."""
+        """The spline through `height(x, y)` on a square grid of `samples` points a side. x and y are (k,
+        m)."""
         if samples < 4:
             raise DesignError(f"a grid of {samples} points a side makes no smooth surface: give at least 4")
         line = np.linspace(-half_mm, half_mm, samples)

@@ -67,8 +67,10 @@ class Triangles:
 class DistortionLimit:
     """How far a surface may bend a code.
 
-    area       |true area of a module / nominal − 1|. Decoders fit one grid to the whole code (ISO/IEC 18004 §12
-               takes the module size from the finders), so a module may not stray by half its pitch over the code.
+    area       |true area of a module / nominal − 1|. Decoders fit one grid to the whole code (ISO/IEC
+    18004 §12
+               takes the module size from the finders), so a module may not stray by half its pitch over
+               the code.
     shear_deg  departure of a module's corners from a right angle.
     tilt_deg   angle between the surface and the surface at the code's centre: a flat print is read at up to
                50°, not beyond (measured on eight codes of version 8).
@@ -141,11 +143,13 @@ class Placement(ABC):
         return -np.einsum("ki,ki->k", np.cross(*self.tangents(at, depth)), down)
 
     def distortion(self, size_mm: float) -> Distortion:
-        """What happens to the modules of a code of this edge. Raises `DesignError` when it does not fit at all."""
+        """What happens to the modules of a code of this edge. Raises `DesignError` when it does not fit at
+        all."""
         half = size_mm / 2
         if half > self.reach_mm():
             raise DesignError(
-                f"a code of {size_mm:.4g} mm does not fit this surface: at most {2 * self.reach_mm():.4g} mm does"
+                f"a code of {size_mm:.4g} mm does not fit this surface: "
+                f"at most {2 * self.reach_mm():.4g} mm does"
             )
         line = np.linspace(-half, half, SAMPLES)
         grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)

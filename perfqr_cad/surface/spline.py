@@ -1,9 +1,11 @@
-"""Cubic splines through points, in one and two parameters, as B-splines that a solid modeller takes over as they are."""
+"""Cubic splines through points, in one and two parameters, as B-splines that a solid modeller takes over
+as they are."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,7 +42,8 @@ class TensorSpline:
     poles: Array
 
     def __call__(self, uv: Array, derivative: tuple[int, int] = (0, 0)) -> Array:
-        """Values or partial derivatives (k, d) at (k, 2) parameters; the end pieces extend beyond the domain."""
+        """Values or partial derivatives (k, d) at (k, 2) parameters; the end pieces extend beyond the
+        domain."""
         iu, wu = _basis(self.u_knots, uv[:, 0], derivative[0])
         iv, wv = _basis(self.v_knots, uv[:, 1], derivative[1])
         span = np.arange(DEGREE + 1)
@@ -79,10 +82,11 @@ def tensor_fitted(function: Callable[[Array], Array], u_knots: Array, v_knots: A
 
 
 def refined_knots(knots: Array, pieces: int) -> Array:
-    """Knots for what is made of a spline's derivatives, an offset say: inner knots doubled, since a derivative is
+    """Knots for what is made of a spline's derivatives, an offset say: inner knots doubled, since a
+    derivative is
     less smooth there, and `pieces` equal pieces in each span."""
     breaks = np.unique(knots)
-    steps = [np.linspace(a, b, pieces + 1)[1:] for a, b in zip(breaks, breaks[1:], strict=False)]
+    steps = [np.linspace(a, b, pieces + 1)[1:] for a, b in pairwise(breaks)]
     inner = np.concatenate([np.append(step, step[-1]) for step in steps])[:-2]
     return np.concatenate([np.repeat(breaks[0], DEGREE + 1), inner, np.repeat(breaks[-1], DEGREE + 1)])
 
@@ -106,7 +110,8 @@ def greville(knots: Array) -> Array:
 
 
 def _both_ways(along_u: Array, along_v: Array, values: Array) -> Array:
-    """Poles (n, m, d) of values (n, m, d): the collocation systems solved along one parameter, then the other."""
+    """Poles (n, m, d) of values (n, m, d): the collocation systems solved along one parameter, then the
+    other."""
     half = np.linalg.solve(along_u, values.reshape(len(values), -1)).reshape(values.shape)
     turned = np.swapaxes(half, 0, 1)
     whole = np.linalg.solve(along_v, turned.reshape(len(turned), -1)).reshape(turned.shape)

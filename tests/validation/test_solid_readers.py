@@ -1,4 +1,5 @@
-"""Solids seen by others: brute-force booleans, manifold3d, gmsh, and PrusaSlicer and FreeCAD where installed."""
+"""Solids seen by others: brute-force booleans, manifold3d, gmsh, and PrusaSlicer and FreeCAD where
+installed."""
 
 from __future__ import annotations
 

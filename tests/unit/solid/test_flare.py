@@ -67,7 +67,8 @@ def test_rounded_corners_stay_exact_shrinking_or_oblique(draft: float) -> None:
 
 
 def test_webs_keep_their_least_width() -> None:
-    """A web of 1 mm between two squares: half of what it has over 0.8 mm on either side, the rest untouched."""
+    """A web of 1 mm between two squares: half of what it has over 0.8 mm on either side, the rest
+    untouched."""
     region = Region(OUTER, (square(-2.5, 0, 2), square(2.5, 0, 2)))
     left, _ = flares(region, 0.35, 0.8)
     assert sorted(left.tolist()) == pytest.approx([0.1, 0.35, 0.35, 0.35])

@@ -1,4 +1,5 @@
-"""STEP written in linear time is read back by the kernel: valid, same volume, faces, names, colours, units."""
+"""STEP written in linear time is read back by the kernel: valid, same volume, faces, names, colours,
+units."""
 
 from __future__ import annotations
 
