@@ -28,12 +28,15 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
 
 
+FRONTAL_FRAMES = 3  # whether a part reads at all must not hang on the noise of one frame
+
+
 @dataclass(frozen=True)
 class Plan:
     """Which views are filmed. Tilts rise from 0; each is filmed from every azimuth.
 
     frames   a phone tries many frames in the paper's 2 s; a view is missed when this many frames of an
-             unsteady hand are
+             unsteady hand are; the frontal view always gets `FRONTAL_FRAMES`
     """
 
     tilts_deg: tuple[float, ...]
@@ -41,6 +44,12 @@ class Plan:
     frames: int = 1
     backgrounds: tuple[str, ...] = ()
     size_px: int = 800
+
+    def patience(self) -> list[int]:
+        """Frames for each of the views."""
+        return [
+            max(self.frames, FRONTAL_FRAMES) if view.tilt_deg == 0 else self.frames for view in self.views()
+        ]
 
     def views(self) -> list[View]:
         """Every view, the frontal one once."""
@@ -98,12 +107,12 @@ def certify(
         payload = _agreed(scene, look, panel, plan)
     right = accepted(payload)
     views = plan.views()
-    read = reads(scene, views, look, right, panel, frames=plan.frames, seed=seed)
+    read = reads(scene, views, look, right, panel, frames=plan.patience(), seed=seed)
     on_paper = _flat_print(scene, pattern, look, plan)
     flat_read = None
     if on_paper is not None:
         tell("film the flat print")
-        flat_read = reads(on_paper, views, look, right, panel, frames=plan.frames, seed=seed)
+        flat_read = reads(on_paper, views, look, right, panel, frames=plan.patience(), seed=seed)
     colours = _backgrounds(scene, look, right, panel, plan, seed)
     results = {
         name: DecoderResult(
@@ -125,14 +134,18 @@ def reads(
     right: frozenset[bytes],
     panel: Panel,
     *,
-    frames: int = 1,
+    frames: Sequence[int] | None = None,
     seed: int = 0,
 ) -> list[frozenset[str]]:
-    """Names of the decoders that read one of the `right` payloads in each view, within `frames` frames."""
+    """Names of the decoders that read one of the `right` payloads in each view.
+
+    frames   how many frames of an unsteady hand each view gets until it is read; one each by default
+    """
+    frames = [1] * len(views) if frames is None else frames
     read: list[set[str]] = [set() for _ in views]
     subject.prepare(look)
-    for frame in range(frames):
-        waiting = [k for k in range(len(views)) if len(read[k]) < len(panel.names)]
+    for frame in range(max(frames, default=0)):
+        waiting = [k for k in range(len(views)) if frame < frames[k] and len(read[k]) < len(panel.names)]
         pictures = [_picture(subject, views[k], look, seed, k, frame) for k in waiting]
         names = [[name for name in panel.names if name not in read[k]] for k in waiting]
         for k, reading in zip(waiting, panel.read_all(pictures, names=names), strict=True):
