@@ -208,7 +208,7 @@ def _matrix_seen(picture: NDArray[np.uint8]) -> Matrix | None:
 def _backgrounds(
     scene: Scene, look: Look, right: frozenset[bytes], panel: Panel, plan: Plan, seed: int
 ) -> dict[str, float]:
-    """Share of frontal reads (decoders x frames of an unsteady hand) on each ground, of those on black."""
+    """Share of frontal views read on each ground, over decoders and frames of an unsteady hand."""
     still = [View(size_px=plan.size_px)] * max(plan.frames, 1)
     views = [jittered(view, np.random.default_rng([seed, k])) for k, view in enumerate(still)]
     rates: dict[str, float] = {}
