@@ -289,7 +289,7 @@ def _euler(shell: _Shell, genus: int | None) -> list[str]:
 
 def _area(polygon: Array) -> float:
     x, y = polygon.T
-    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+    return float(x[:-1] @ y[1:] - y[:-1] @ x[1:] + x[-1] * y[0] - y[-1] * x[0]) / 2
 
 
 def _at(p: Iterable[float]) -> str:
