@@ -18,7 +18,8 @@ quiet = 4  # [1:1:20]
 solid = ""
 # name or number of a part, for an assembly
 part = ""
-# number of the face as CAD programs count, from 1; 0: by the point below, else the largest that takes the code
+# number of the face as CAD programs count, from 1; 0: by the point below, else the largest that takes the
+# code
 face = 0  # [0:1:1000000]
 # where the reader is, mm; none: not used
 point = None

@@ -40,7 +40,8 @@ class Crossings:
 class Body:
     """A closed mesh, the number of the face each triangle lies on, and unit normals at triangle corners.
 
-    `face_of` (m,) counts from 0; on a plain mesh 0 is outer surface and 1 the walls of cavities. `corner_normals`
+    `face_of` (m,) counts from 0; on a plain mesh 0 is outer surface and 1 the walls of cavities.
+    `corner_normals`
     is (m, 3, 3). `faceted` tells a plain mesh.
     """
 
@@ -81,7 +82,9 @@ class Body:
         return RayMeshIntersector(mesh)
 
     def crossings(self, origins: Array, directions: Array) -> Crossings:
-        """All crossings of rays (k, 3) with the surface, ahead of their origins; directions are unit vectors."""
+        """All crossings of rays (k, 3) with the surface, ahead of their origins; directions are unit
+        vectors.
+        """
         triangle, ray, at = self._rays.intersects_id(
             origins, directions, multiple_hits=True, return_locations=True
         )
@@ -101,7 +104,9 @@ class Body:
         return triangle, on[triangle]
 
     def samples(self, count: int, seed: int, faces: Index | None = None) -> tuple[Array, Array, Index]:
-        """Points (count, 3) spread evenly over the surface (or some faces), normals, and numbers of their faces."""
+        """Points (count, 3) spread evenly over the surface (or some faces), normals, and numbers of their
+        faces.
+        """
         weight = self.areas_mm2 if faces is None else self.areas_mm2 * np.isin(self.face_of, faces)
         random = np.random.default_rng(seed)
         triangle = random.choice(len(weight), count, p=weight / weight.sum())
@@ -167,7 +172,9 @@ def body_of_solid(solid: TopoDS_Solid, faces: list[TopoDS_Face]) -> Body:
 
 
 def weld(vertices: Array, faces: Index, tolerance_mm: float) -> tuple[Triangles, NDArray[np.bool_]]:
-    """Vertices closer than the tolerance made one; triangles that lose a corner are dropped (mask returned)."""
+    """Vertices closer than the tolerance made one; triangles that lose a corner are dropped (mask
+    returned).
+    """
     from scipy.spatial import cKDTree
 
     near = cKDTree(vertices).query_pairs(tolerance_mm, output_type="ndarray")

@@ -40,7 +40,8 @@ SAMPLE_MM = 0.5  # along a loop, when asking which faces it lies on
 def carve(host: Host, region: Region, laid: Laid, walls: Walls, min_web_mm: float = 0.0) -> Solid:
     """The host with the region's holes in its wall.
 
-    Raises `DesignError` for walls that cannot be made here, `KernelError` when the result is not one sound solid.
+    Raises `DesignError` for walls that cannot be made here, `KernelError` when the result is not one
+    sound solid.
     """
     wells = hole_wells(region.holes, laid.thickness_mm, walls, False, min_web_mm=min_web_mm)
     sinking = list(zip(region.holes, wells, strict=True))
@@ -116,7 +117,9 @@ def _punched(host: Host, wells: Sequence[Well], laid: Laid) -> TopoDS_Solid:
 
 
 def _rejoined(host: Host, faces: list[TopoDS_Face], walls: list[TopoDS_Face]) -> TopoDS_Solid:
-    """The solid of the given faces: shells that the holes join become one, other voids stay shells of their own."""
+    """The solid of the given faces: shells that the holes join become one, other voids stay shells of their
+    own.
+    """
     shells = kernel.explore(host.shape, "SHELL")
     if len(shells) == 1:
         return solid_of([*faces, *walls])

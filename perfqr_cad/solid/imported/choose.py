@@ -28,7 +28,9 @@ SEED = 0
 
 @dataclass(frozen=True)
 class Wish:
-    """What the user said about the place: face number (from 1), or a point and a viewing direction, and up."""
+    """What the user said about the place: face number (from 1), or a point and a viewing direction, and
+    up.
+    """
 
     face: int | None = None
     point: tuple[float, float, float] | None = None
@@ -70,7 +72,9 @@ def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wish: Wish)
 
 
 def _on_face(host: Host, index: int, size_mm: float, problem: Problem, up: ArrayLike | None) -> Survey | None:
-    """The first spot of a face, from its middle outwards, that takes the code; best one without edges or seams."""
+    """The first spot of a face, from its middle outwards, that takes the code; best one without edges or
+    seams.
+    """
     over_edges: Survey | None = None
     for frame in _spots(host, index, up):
         coarse = survey(host.body, frame, size_mm, COARSE)
@@ -120,7 +124,8 @@ def _judged(host: Host, frame: Frame, size_mm: float, problem: Problem, wish: Wi
     else:
         away = float(np.linalg.norm(nearest.origin - frame.origin))
         remedy = (
-            f"{_size(largest)}; the nearest place that works is {away:.3g} mm away: point={_triple(nearest.origin)} "
+            f"{_size(largest)}; the nearest place that works is {away:.3g} mm away: "
+            f"point={_triple(nearest.origin)} "
             f"direction={_triple(-nearest.axes[2])}"
         )
     raise DesignError(

@@ -1,4 +1,6 @@
-"""Charts of walls between faces of an imported solid: exact on plane pairs, by Newton and fitted elsewhere."""
+"""Charts of walls between faces of an imported solid: exact on plane pairs, by Newton and fitted
+elsewhere.
+"""
 
 from __future__ import annotations
 

@@ -32,7 +32,9 @@ def quiet() -> Iterator[None]:
 
 
 def explore(shape: TopoDS_Shape, kind: Kind) -> list[TopoDS_Shape]:
-    """Sub-shapes of one kind, each once, in the kernel's order (the order in which CAD programs number them)."""
+    """Sub-shapes of one kind, each once, in the kernel's order (the order in which CAD programs number
+    them).
+    """
     from OCP import TopAbs
     from OCP.TopExp import TopExp
     from OCP.TopTools import TopTools_IndexedMapOfShape
@@ -69,7 +71,8 @@ def volume(shape: TopoDS_Shape) -> float:
 def volume_lost(before: TopoDS_Shape, after: TopoDS_Shape) -> float:
     """Volume in mm³ that `after` lacks of `before`, by the faces in which they differ.
 
-    Imported shells have small gaps; the kernel's volume of such a shell depends on a reference point that moves
+    Imported shells have small gaps; the kernel's volume of such a shell depends on a reference point that
+    moves
     with its vertices, by much more than a hole. Over the changed faces alone the gaps cancel.
     """
     from OCP.BRep import BRep_Builder
@@ -125,7 +128,8 @@ def sound(solid: TopoDS_Solid, name: str) -> TopoDS_Solid:
         repaired = healed(solid)
         if repaired is None or not is_valid(repaired):
             raise KernelError(
-                f"the solid {name!r} is invalid and cannot be repaired: check its geometry in the CAD system and "
+                f"the solid {name!r} is invalid and cannot be repaired: check its geometry in the CAD "
+                f"system and "
                 "export it again"
             )
         solid = repaired
@@ -133,7 +137,9 @@ def sound(solid: TopoDS_Solid, name: str) -> TopoDS_Solid:
 
 
 def grounded(solid: TopoDS_Solid) -> TopoDS_Solid:
-    """The solid with every face's surface where it lies, not moved there by a location: curves are drawn on it."""
+    """The solid with every face's surface where it lies, not moved there by a location: curves are drawn on
+    it.
+    """
     from OCP.ShapeUpgrade import ShapeUpgrade_RemoveLocations
     from OCP.TopoDS import TopoDS
 

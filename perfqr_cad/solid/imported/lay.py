@@ -93,7 +93,9 @@ class Projected(Laid):
         return points, np.broadcast_to(self.frame_at_centre.axes, (len(points), 3, 3))
 
     def distortion(self, size_mm: float) -> Distortion:
-        """As the reader before the centre sees it: a projection keeps area and angle, only the tilt counts."""
+        """As the reader before the centre sees it: a projection keeps area and angle, only the tilt
+        counts.
+        """
         on_the_face = super().distortion(size_mm)
         return Distortion(0.0, 0.0, 0.0, 0.0, on_the_face.tilt_worst_deg)
 

@@ -16,7 +16,8 @@ from perfqr_cad.solid.mesh import delaunay
 if TYPE_CHECKING:
     from perfqr_cad.solid.imported.host import Host
 
-# Three points a triangle integrate exactly what is quadratic over it; two depths what is cubic through the wall.
+# Three points a triangle integrate exactly what is quadratic over it; two depths what is cubic through the
+# wall.
 TRIANGLE_POINTS = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6
 DEPTH_POINTS = (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5)
 FLATTEN_MM = 1e-4
@@ -31,7 +32,9 @@ def removed_mm3(host: Host, holes: Sequence[Loop], laid: Laid, depth_mm: float |
 
 
 def quadrature(holes: Sequence[Loop]) -> tuple[Array, Array]:
-    """Points (k, 2) and weights (k,) in mm² that integrate over the holes; the weights sum to their exact area."""
+    """Points (k, 2) and weights (k,) in mm² that integrate over the holes; the weights sum to their exact
+    area.
+    """
     points, weights = [], []
     for hole in holes:
         ring = hole.oriented(ccw=True).flatten(FLATTEN_MM)

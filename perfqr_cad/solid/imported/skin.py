@@ -115,7 +115,8 @@ class Skin:
     def meet(self, origins: Array, frames: Array, guesses: Array, reach_mm: float) -> tuple[Array, Array]:
         """Where lines meet the surface: parameters (k, 2) and points (k, 3).
 
-        Line k passes through origins[k] along frames[k, 2]; guesses (k, 3) are within `reach_mm` of the meeting
+        Line k passes through origins[k] along frames[k, 2]; guesses (k, 3) are within `reach_mm` of the
+        meeting
         places, so that the far side of a bent surface is not taken for the near one.
         Newton's iteration on the two coordinates across the line, continued from one line to the next.
         Raises `KernelError` where a line does not meet the surface transversally.

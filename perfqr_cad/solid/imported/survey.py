@@ -1,4 +1,6 @@
-"""Looking at the wall under a code before touching it: heights, thickness, slopes, edges, what is in the way."""
+"""Looking at the wall under a code before touching it: heights, thickness, slopes, edges, what is in the
+way.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ FINE, COARSE = 61, 9  # samples a side: to judge a place, and to look for one
 
 @dataclass(frozen=True)
 class Frame:
-    """Where the code's centre lies and how it is turned: origin (3,), rows e1 (right), e2 (up), n (to the reader)."""
+    """Where the code's centre lies and how it is turned: origin (3,), rows e1 (right), e2 (up), n (to the
+    reader).
+    """
 
     origin: Array
     axes: Array
@@ -59,7 +63,8 @@ class Frame:
 
 @dataclass(frozen=True)
 class Survey:
-    """The wall under a square of edge `size_mm`, sampled on a grid (k, k); row 0 at the bottom, column 0 left.
+    """The wall under a square of edge `size_mm`, sampled on a grid (k, k); row 0 at the bottom, column 0
+    left.
 
     height_mm   of the front above the tangent plane, NaN where there is no front
     wall_mm     material behind the front along the axis, NaN where unknown
@@ -104,10 +109,16 @@ class Survey:
             return f"the code runs over a step, opening or rib of the surface ({_share(jump)} of its area)"
         worst = float(self.tilt_deg.max())
         if worst > MAX_TILT_DEG:
-            return f"the surface turns {worst:.0f}° away from the reader under the code (limit {MAX_TILT_DEG:.0f}°)"
+            return (
+                f"the surface turns {worst:.0f}° away from the reader under the code "
+                f"(limit {MAX_TILT_DEG:.0f}°)"
+            )
         crease = self._crease_deg()
         if crease > MAX_CREASE_DEG:
-            return f"the code runs over an edge of the face that bends {crease:.0f}° (limit {MAX_CREASE_DEG:.0f}°)"
+            return (
+                f"the code runs over an edge of the face that bends {crease:.0f}° "
+                f"(limit {MAX_CREASE_DEG:.0f}°)"
+            )
         return None
 
     def wall_problem(self, depth_mm: float | None, wall_limit_mm: float) -> str | None:
@@ -123,7 +134,8 @@ class Survey:
             return None
         if most > wall_limit_mm:
             return (
-                f"{most:.4g} mm of material lie behind the face (limit {wall_limit_mm:.3g} mm for through-holes): "
+                f"{most:.4g} mm of material lie behind the face (limit {wall_limit_mm:.3g} mm for "
+                f"through-holes): "
                 "set depth (mm) for blind pockets"
             )
         if most > MAX_UNEVEN * least:
@@ -164,7 +176,8 @@ class Survey:
 
 @dataclass(frozen=True)
 class Probe:
-    """What lines through a wall meet, (k,) each: the front is the entry nearest to the line's reference point.
+    """What lines through a wall meet, (k,) each: the front is the entry nearest to the line's reference
+    point.
 
     offset_mm  of the front from the reference point, along the line towards the reader; NaN for no front
     wall_mm    material behind the front, NaN where its far side was not found

@@ -37,7 +37,8 @@ class ImportedFace:
     """A face of a solid in a STEP file.
 
     path       the file; `part` names (or numbers from 1) a solid of an assembly
-    face       number from 1, as CAD programs count; None or 0: by `point`, else the largest that takes the code
+    face       number from 1, as CAD programs count; None or 0: by `point`, else the largest that takes the
+        code
     point, direction   where the reader is and looks, mm; a point on the surface needs no direction
     up         what points up in the code; default +z, or +y on faces that look along z
     wrap       lay the code along the face (lengths kept) instead of projecting it along the centre's normal
@@ -57,7 +58,9 @@ class ImportedFace:
 
     @staticmethod
     def of(shape: Any, **place: Any) -> ImportedFace:
-        """A face of a solid in memory: a kernel shape, build123d object or CadQuery workplane; `place` as above."""
+        """A face of a solid in memory: a kernel shape, build123d object or CadQuery workplane; `place` as
+        above.
+        """
         return ImportedFace(shape=shape, **place)
 
     @cached_property
@@ -103,7 +106,8 @@ class ImportedFace:
         along = survey_wrapped(self.host.body, laid, size_mm)
         if (reason := self._problem(along)) is not None:
             raise DesignError(
-                f"a code of {size_mm:.4g} mm cannot be wrapped here: {reason}; project it, move it or take it smaller"
+                f"a code of {size_mm:.4g} mm cannot be wrapped here: {reason}; project it, move it or "
+                f"take it smaller"
             )
         return replace(laid, thickness_mm=along.thickness_mm)
 

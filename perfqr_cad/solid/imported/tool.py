@@ -28,7 +28,9 @@ CLEARANCE = 0.2  # of the wall: how far tools stand out before and behind it
 
 
 def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> TopoDS_Shape:
-    """A straight prism over a hole, through the wall or down to a flat floor `depth_mm` below its lowest rim."""
+    """A straight prism over a hole, through the wall or down to a flat floor `depth_mm` below its lowest
+    rim.
+    """
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
     from OCP.gp import gp_Ax3, gp_Trsf
 

@@ -13,7 +13,8 @@ from perfqr_cad.solid.imported.lay import Wrapped
 from perfqr_cad.solid.imported.skin import Skin
 from perfqr_cad.solid.imported.survey import FINE, INSET, Frame, Survey, probe
 
-GRID = 33  # points a side; the bicubic between them strays by h⁴/384 R³, 1e-6 mm for a code as wide as the radius
+# points a side; the bicubic between them strays by h⁴/384 R³, 1e-6 mm for a code as wide as the radius
+GRID = 33
 STEPS = 12  # Runge-Kutta steps along each geodesic
 
 

@@ -24,7 +24,8 @@ POCKET_SHARE = 1e-3  # of the cavity: smaller bubbles are left filled
 def hollowed(mesh: Triangles, thickness_mm: float) -> Triangles:
     """The closed body less everything deeper than `thickness_mm` below its surface.
 
-    The depth is a true distance, sampled on a grid and contoured; it errs by about (cell/4)²/thickness. Raises
+    The depth is a true distance, sampled on a grid and contoured; it errs by about (cell/4)²/thickness.
+    Raises
     `DesignError` when nothing of the body is that deep, or the wall is too thin for the grid.
     """
     body = body_of_mesh(mesh)
@@ -38,7 +39,8 @@ def hollowed(mesh: Triangles, thickness_mm: float) -> Triangles:
     depth = _depths(body, low, extent, cell, thickness_mm)
     if depth.max() <= thickness_mm:
         raise DesignError(
-            f"no part of the body is deeper than {thickness_mm:g} mm: carve it as it is, or take a thinner shell"
+            f"no part of the body is deeper than {thickness_mm:g} mm: carve it as it is, or take a "
+            f"thinner shell"
         )
     inner = _contour(depth, low, cell, thickness_mm)
     shell = manifold_of(mesh) - inner
@@ -48,7 +50,9 @@ def hollowed(mesh: Triangles, thickness_mm: float) -> Triangles:
 
 
 def _depths(body: Body, low: Array, extent: Array, cell: float, wanted_mm: float) -> Array:
-    """Distance to the surface at grid nodes inside the body, 0 outside; exact in a band about the wanted depth."""
+    """Distance to the surface at grid nodes inside the body, 0 outside; exact in a band about the wanted
+    depth.
+    """
     from scipy.ndimage import distance_transform_edt
     from scipy.spatial import cKDTree
 

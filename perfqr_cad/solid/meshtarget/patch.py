@@ -77,7 +77,8 @@ class Patch:
 def fit_patch(body: Body, laid: Projected, size_mm: float) -> Patch:
     """The coarsest bicubic spline within `FIT_MM` of the mesh under the code, or the finest.
 
-    Raises `DesignError` when even that misses by more than `WORST_SHARE` of the wall: the surface is too rough.
+    Raises `DesignError` when even that misses by more than `WORST_SHARE` of the wall: the surface is too
+    rough.
     """
     half = BEYOND * size_mm / 2
     line = np.linspace(-half, half, SAMPLES)
@@ -94,14 +95,17 @@ def fit_patch(body: Body, laid: Projected, size_mm: float) -> Patch:
             break
     if worst > WORST_SHARE * laid.thickness_mm:
         raise DesignError(
-            f"the surface under the code is too rough for an exact panel: the fit misses it by {worst:.3g} mm "
+            f"the surface under the code is too rough for an exact panel: the fit misses it by "
+            f"{worst:.3g} mm "
             f"(limit {WORST_SHARE * laid.thickness_mm:.3g} mm); take a smoother spot, or the mesh result"
         )
     return Patch(laid.frame_at_centre, size_mm, laid.thickness_mm, knots, poles, rms, worst)
 
 
 def _least_squares(line: Array, height: Array, spans: int) -> tuple[Array, Array, Array]:
-    """Knots, poles (n, n) and residuals of the bicubic of `spans` equal pieces a side nearest to the heights."""
+    """Knots, poles (n, n) and residuals of the bicubic of `spans` equal pieces a side nearest to the
+    heights.
+    """
     breaks = np.linspace(line[0], line[-1], spans + 1)
     knots = np.concatenate([[breaks[0]] * DEGREE, breaks, [breaks[-1]] * DEGREE])
     basis = collocation(knots, line)

@@ -30,7 +30,8 @@ MOST_XML_BYTES = 1 << 30  # of an unpacked model part: more is no part but an at
 def read_mesh(path: str | Path, scale: float = 1.0) -> Triangles:
     """The triangles of a file as they are, not welded or checked, times `scale`.
 
-    3MF declares its unit and is converted to mm; the others have none and are taken as mm. Raises `KernelError`
+    3MF declares its unit and is converted to mm; the others have none and are taken as mm.
+    Raises `KernelError`
     for a file that is missing, unreadable, of another kind or without triangles.
     """
     path = Path(path)

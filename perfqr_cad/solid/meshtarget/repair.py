@@ -16,7 +16,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 WELD_SHARE = 1e-6  # of the diagonal: single-precision files round corners by about this
-# A gap round which the rim is shorter than this share of the diagonal is filled flat; a longer one is an opening.
+# A gap round which the rim is shorter than this share of the diagonal is filled flat; a longer one is an
+# opening.
 FILL_SHARE = 0.15
 DUST_SHARE = 1e-6  # of the greatest body's volume: pieces below are rubbish from modelling
 SHORTEST = 1e-9
@@ -38,10 +39,13 @@ class Mended:
 
 
 def mend(mesh: Triangles, part: int | None = None) -> Mended:
-    """Weld, drop degenerate and doubled triangles, fill small gaps, turn faces outward, unite overlapping bodies.
+    """Weld, drop degenerate and doubled triangles, fill small gaps, turn faces outward, unite overlapping
+    bodies.
 
-    `part` picks one of several separate bodies, 1 the greatest. Raises `KernelError` with counts for what cannot
-    be mended (open rims, edges of three or more triangles, triangles through each other) and `DesignError` for
+    `part` picks one of several separate bodies, 1 the greatest. Raises `KernelError` with
+    counts for what cannot
+    be mended (open rims, edges of three or more triangles, triangles through each other) and `DesignError`
+    for
     several bodies of which none is chosen.
     """
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
@@ -54,7 +58,8 @@ def mend(mesh: Triangles, part: int | None = None) -> Mended:
     crossing = sum(self_crossings(body) for body in bodies)
     if crossing:
         raise KernelError(
-            f"the mesh cuts through itself at {crossing} edges: rebuild it as one outer surface (a boolean union in "
+            f"the mesh cuts through itself at {crossing} edges: rebuild it as one outer surface (a "
+            f"boolean union in "
             "the program it comes from) and export again"
         )
     return Mended(_one(bodies, part), duplicates, gaps, dust)
@@ -74,7 +79,9 @@ def _rims(faces: Index) -> Index:
 
 
 def _filled(vertices: Array, faces: Index, longest_mm: float) -> tuple[Array, Index, int]:
-    """Small gaps closed by a fan about their middle. Raises `KernelError` listing the openings that are left."""
+    """Small gaps closed by a fan about their middle. Raises `KernelError` listing the openings that are
+    left.
+    """
     rims = _rims(faces)
     if not len(rims):
         return vertices, faces, 0
@@ -90,8 +97,10 @@ def _filled(vertices: Array, faces: Index, longest_mm: float) -> tuple[Array, In
     if open_rims or tangled:
         longest = max(open_rims, default=0.0)
         raise KernelError(
-            f"the mesh is open: {len(rims)} edges have one triangle only, in {len(loops) + tangled} rims, the longest "
-            f"{longest:.4g} mm round (up to {longest_mm:.3g} mm or {PATCH_EDGES} edges is filled): close it in the program it comes from"
+            f"the mesh is open: {len(rims)} edges have one triangle only, in {len(loops) + tangled} "
+            f"rims, the longest "
+            f"{longest:.4g} mm round (up to {longest_mm:.3g} mm or {PATCH_EDGES} edges is filled): "
+            f"close it in the program it comes from"
         )
     fans = []
     for k, loop in enumerate(loops):
@@ -129,7 +138,8 @@ def _refuse_non_manifold(faces: Index) -> None:
     counts = np.unique(edges, axis=0, return_counts=True)[1]
     if (bad := int((counts != 2).sum())) > 0:
         raise KernelError(
-            f"the mesh is not a surface of a body: {bad} edges have other than two triangles: remove inner walls and "
+            f"the mesh is not a surface of a body: {bad} edges have other than two triangles: remove "
+            f"inner walls and "
             "doubled sheets in the program it comes from"
         )
 
@@ -185,7 +195,9 @@ def _inside(inner: Triangles, outer: Triangles) -> bool:
 
 
 def _winds_round(point: Array, mesh: Triangles) -> bool:
-    """Whether a point lies inside a closed mesh: its winding number by solid angles (van Oosterom and Strackee)."""
+    """Whether a point lies inside a closed mesh: its winding number by solid angles (van Oosterom and
+    Strackee).
+    """
     a, b, c = np.moveaxis(mesh.vertices[mesh.faces] - point, 1, 0)
     la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
     volume = np.einsum("ki,ki->k", a, np.cross(b, c))
@@ -196,7 +208,9 @@ def _winds_round(point: Array, mesh: Triangles) -> bool:
 
 
 def self_crossings(mesh: Triangles) -> int:
-    """Edges that pierce a triangle they do not touch: two triangles cross exactly when an edge of one does."""
+    """Edges that pierce a triangle they do not touch: two triangles cross exactly when an edge of one
+    does.
+    """
     import trimesh
     from trimesh.ray.ray_pyembree import RayMeshIntersector
 

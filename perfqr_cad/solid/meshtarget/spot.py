@@ -35,7 +35,8 @@ class Wish:
 def place(body: Body, wish: Wish, size_mm: float, problem: Problem) -> Survey:
     """The survey of the place for a code of that edge.
 
-    The axis is the mean normal under the code: one facet's own says little. Raises `DesignError` with the reason,
+    The axis is the mean normal under the code: one facet's own says little. Raises `DesignError` with the
+    reason,
     the largest size that works there and the nearest place that works.
     """
     if wish.point is None:
@@ -112,7 +113,8 @@ def _met(body: Body, wish: Wish) -> tuple[Array, Array]:
     entering = np.flatnonzero(met.entering)
     if not len(entering):
         raise DesignError(
-            f"looking from {_triple(point)} along {_triple(look)} meets no outer surface: start outside and look at it"
+            f"looking from {_triple(point)} along {_triple(look)} meets no outer surface: start outside "
+            f"and look at it"
         )
     first = entering[0]
     return point + met.distance_mm[first] * look, body.facet_normals[met.triangle[first]]

@@ -93,7 +93,9 @@ class MeshTarget:
         return laid
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
-        """The carved mesh (a `Solid` of triangles only), or with `exact` the B-spline panel under the code."""
+        """The carved mesh (a `Solid` of triangles only), or with `exact` the B-spline panel under the
+        code.
+        """
         from perfqr_cad.solid.imported.tool import carved_mesh
         from perfqr_cad.solid.meshtarget.patch import fit_patch
         from perfqr_cad.solid.meshtarget.result import mesh_solid

@@ -82,6 +82,9 @@ def test_refusals() -> None:
 
 
 def test_neither_program_is_loaded_before_it_is_wanted() -> None:
-    look = "import sys, perfqr_cad, perfqr_cad.solid.frontends; print({'build123d', 'cadquery', 'OCP'} & set(sys.modules))"
+    look = (
+        "import sys, perfqr_cad, perfqr_cad.solid.frontends;"
+        "print({'build123d', 'cadquery', 'OCP'} & set(sys.modules))"
+    )
     done = subprocess.run([sys.executable, "-c", look], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"

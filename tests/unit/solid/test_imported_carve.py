@@ -1,4 +1,6 @@
-"""Codes in walls of foreign solids: sound, of the right volume, the right way round, or refused with a reason."""
+"""Codes in walls of foreign solids: sound, of the right volume, the right way round, or refused with a
+reason.
+"""
 
 import math
 from pathlib import Path
@@ -128,13 +130,13 @@ def test_refusals_name_what_works() -> None:
     with pytest.raises(DesignError, match="step, opening or rib"):
         ImportedFace.of(ribbed, **FRONT).placement(20)
     wedge = difference(tray(6.0), BRepPrimAPI_MakeBox(gp_Pnt(-26, -21, 6), 28, 4, 30).Shape())
-    with pytest.raises(DesignError, match="uneven|lie behind"):
+    with pytest.raises(DesignError, match=r"uneven|lie behind"):
         ImportedFace.of(wedge, **FRONT).placement(26)
     with pytest.raises(DesignError, match="faces 1 to 11"):
         ImportedFace.of(tray(), face=12).placement(20)
     with pytest.raises(DesignError, match="meets no outer face"):
         ImportedFace.of(tray(), point=(0, -100, 15), direction=(0, -1, 0)).placement(20)
-    with pytest.raises(DesignError, match="turns|bent"):
+    with pytest.raises(DesignError, match=r"turns|bent"):
         ImportedFace.of(tube(14.0), point=(0, -14, 25)).placement(25)
 
 

@@ -46,7 +46,8 @@ def test_3mf_units_places_and_components(tmp_path: Path) -> None:
     model = (
         '<model unit="inch" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>'
         f'<object id="1"><mesh><vertices>{vertices}</vertices><triangles>{faces}</triangles></mesh></object>'
-        '<object id="2"><components><component objectid="1" transform="2 0 0 0 1 0 0 0 1 0 0 0"/></components></object>'
+        '<object id="2"><components><component objectid="1" '
+        'transform="2 0 0 0 1 0 0 0 1 0 0 0"/></components></object>'
         '</resources><build><item objectid="2" transform="1 0 0 0 1 0 0 0 1 5 0 0"/></build></model>'
     )
     with zipfile.ZipFile(tmp_path / "a.3mf", "w") as package:
