@@ -14,7 +14,7 @@ from perfqr_cad.pattern.lattice import draw, label
 from perfqr_cad.pattern.paper import join_paper
 from perfqr_cad.pattern.pattern import Pattern
 from perfqr_cad.pattern.sampling import brightness
-from perfqr_cad.pattern.size import module_size, rounded_up
+from perfqr_cad.pattern.size import least_dot_mm, module_size, rounded_up
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.pattern.style import is_drawn, shaped_modules, shapes
 from perfqr_cad.pattern.tidy import fill_slivers, tidy
@@ -40,17 +40,18 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     _, islands = label(draft.asked)
     draft = tie_rings(draft, symbol, spec)
     scale = 1 if art is None else art.scale
+    sparing = scale > 1 and draft.lattice.module_mm >= scale * least_dot_mm(spec, scale)
     losses: tuple[float, ...] = ()
     if spec.objective != "optimal":
         weight = spec.loss_weight if spec.objective == "paper" else 0.0
         draft, losses = join_paper(draft, symbol, spec.web_mm, weight, solid_is_dark, spec.seed)
-    draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid, sparing=scale > 1)
+    draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid, sparing)
     draft, optimality = join(draft, symbol, scale, spec.web_mm, solid_is_dark, spec.time_limit_s)
     if spec.objective != "optimal":
         optimality = None
     if not draft.shapes:
         draft = fill_slivers(draft, right_solid, gap)
-    draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
+    draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid, sparing)
     draft, sound = mended(draft, spec)
     return finish(draft, Job(symbol, spec, islands, reason, optimality, losses), sound)
 

@@ -33,7 +33,7 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
             )
         return spec.size_mm / modules, "as asked"
     if art is not None and art.kind == "halftone":
-        dot_mm = _least_dot(spec, cells_per_module(art.scale) // art.scale)
+        dot_mm = least_dot_mm(spec, art.scale)
         if art.scale * dot_mm > least_module:
             least_module = art.scale * dot_mm
             reason = (
@@ -52,8 +52,9 @@ def _least_module(spec: PatternSpec, drawn: bool) -> tuple[float, str]:
     return by_web, f"{WEBS_PER_MODULE:g} webs of {spec.web_mm:g} mm"
 
 
-def _least_dot(spec: PatternSpec, cells: int) -> float:
+def least_dot_mm(spec: PatternSpec, scale: int) -> float:
     """Edge of the least dot of art, mm: it holds a web between two corners that are parted by a gap."""
+    cells = cells_per_module(scale) // scale
     dot_mm = max(spec.web_mm, (spec.web_mm + spec.gap_mm) / math.sqrt(2))
     while True:
         cell_mm = dot_mm / cells
