@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.solid.imported.body import Array
-from perfqr_cad.solid.imported.survey import COARSE, Frame, Survey, survey
+from perfqr_cad.solid.imported.survey import COARSE, Frame, Survey, largest_below, survey
 
 if TYPE_CHECKING:
     from perfqr_cad.solid.imported.host import Host
@@ -21,7 +21,6 @@ Problem = Callable[[Survey], str | None]
 CANDIDATES = 160  # spots tried on one face, or round a spot that does not work
 FACES_TRIED = 40
 TURNS_DEG = (0.0, 45.0, 30.0, 60.0, 15.0, 75.0)
-SIZE_STEPS = 24  # halvings when the largest size is sought
 ON_FACE_MM = 1e-3  # a given point this near to the surface is on it
 SEED = 0
 
@@ -134,16 +133,8 @@ def _judged(host: Host, frame: Frame, size_mm: float, problem: Problem, wish: Wi
 
 
 def _largest_mm(host: Host, frame: Frame, problem: Problem, size_mm: float) -> float:
-    """Edge of the largest code below `size_mm` that works at a frame, 0 when none above a twentieth does."""
-    low, high = 0.0, size_mm
-    if problem(survey(host.body, frame, size_mm / 20)) is not None:
-        return 0.0
-    for _ in range(SIZE_STEPS):
-        if high - low < 0.005 * size_mm:
-            break
-        middle = (low + high) / 2
-        low, high = (middle, high) if problem(survey(host.body, frame, middle)) is None else (low, middle)
-    return low
+    """Edge of the largest code below `size_mm` that works at a frame, 0 when none does."""
+    return largest_below(size_mm, lambda size: problem(survey(host.body, frame, size)) is None)
 
 
 def _nearest(

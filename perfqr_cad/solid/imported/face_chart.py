@@ -26,6 +26,7 @@ from perfqr_cad.surface import Plane
 if TYPE_CHECKING:
     from OCP.Geom import Geom_Surface
 
+LEVEL_MM = 1e-9  # the front is the frame's own plane
 SQUARE = 1e-12  # 1 − cosine of the angle at which a plane counts as square to the axis
 
 
@@ -33,7 +34,7 @@ def chart_between(laid: Laid, front: Skin, back: Skin | None, reach_mm: float) -
     """The chart of holes from one face to another, or (no `back`) to floors `reach_mm` below the front."""
     if (
         isinstance(laid, Projected)
-        and laid.is_flat
+        and float(np.abs(laid.heights_mm).max()) < LEVEL_MM
         and all(_square(s, laid) for s in (front, back) if s is not None)
     ):
         return PlanePairChart(laid.frame_at_centre, front, back, reach_mm)

@@ -4,7 +4,9 @@ way.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +23,8 @@ MAX_UNEVEN = 2.0  # greatest over least wall: beyond, one thickness no longer de
 MAX_WALL_MODULES = 5.0
 STEP_SLACK = 0.05  # of the sample spacing: height change that no slope explains
 INSET = 1e-4  # of the code's edge: rays of the rim fall just inside a face of exactly the code's size
+OFF_SPOT = 1e-3  # of the code's edge: the surface at the centre against the frame's origin
+LADDER = 13  # sizes tried below one that does not work
 FINE, COARSE = 61, 9  # samples a side: to judge a place, and to look for one
 
 
@@ -103,6 +107,9 @@ class Survey:
             return "there is no material under the code"
         if missing.any():
             return f"{_share(missing)} of the code hangs over the edge of the part"
+        middle = len(self.height_mm) // 2
+        if abs(self.height_mm[middle, middle]) > OFF_SPOT * self.size_mm:
+            return "the middle of the code falls into an opening or recess of the face"
         if self.hidden.any():
             return f"{_share(self.hidden)} of the code is hidden behind other walls of the part"
         if (jump := self._steps()).any():
@@ -248,6 +255,22 @@ def survey(body: Body, frame: Frame, size_mm: float, samples: int = FINE) -> Sur
         met.hidden.reshape(square),
         body.faceted,
     )
+
+
+def largest_below(size_mm: float, works: Callable[[float], bool]) -> float:
+    """The largest size below the given one that works, to 1 %; 0 when none of a few does.
+
+    Sizes are tried from above: a wall that is thin for a wide module is a block for a narrow one.
+    """
+    steps = np.linspace(1.0, 0.1, LADDER)
+    for high, low in pairwise((steps * size_mm).tolist()):
+        if not works(low):
+            continue
+        while high - low > 0.01 * size_mm:
+            middle = (low + high) / 2
+            low, high = (middle, high) if works(middle) else (low, middle)
+        return low
+    return 0.0
 
 
 def _neighbours(values: NDArray, axis: int) -> tuple[NDArray, NDArray]:

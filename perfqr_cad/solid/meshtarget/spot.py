@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.solid.imported.body import Array, Body
-from perfqr_cad.solid.imported.survey import COARSE, Frame, Survey, survey
+from perfqr_cad.solid.imported.survey import COARSE, Frame, Survey, largest_below, survey
 
 Problem = Callable[[Survey], str | None]
 
@@ -19,7 +19,6 @@ BEST = 12  # of them judged finely, the flattest first
 SEED = 0
 OUTER = np.array([0])  # face numbers of outer surfaces
 AVERAGED = 3  # rounds of turning the axis towards the mean normal under the code
-SIZE_STEPS = 10
 ON_SURFACE_SHARE = 1e-3  # of the diagonal: a given point this near to the surface is on it
 
 
@@ -124,12 +123,13 @@ def _largest(
     body: Body, origin: Array, normal: Array, size_mm: float, problem: Problem, up: ArrayLike | None
 ) -> str:
     """The largest size that works at a spot, as a clause."""
-    low, high = 0.0, size_mm
-    for _ in range(SIZE_STEPS):
-        middle = (low + high) / 2
-        found = _settled(body, origin, normal, middle, up)
-        low, high = (middle, high) if found is not None and problem(found) is None else (low, middle)
-    return f"; at most {np.floor(low * 100) / 100:.4g} mm works there" if low > size_mm / 20 else ""
+
+    def works(size: float) -> bool:
+        found = _settled(body, origin, normal, size, up)
+        return found is not None and problem(found) is None
+
+    largest = largest_below(size_mm, works)
+    return f"; at most {np.floor(largest * 100) / 100:.4g} mm works there" if largest > 0 else ""
 
 
 def _nearest(body: Body, origin: Array, size_mm: float, problem: Problem, up: ArrayLike | None) -> str:

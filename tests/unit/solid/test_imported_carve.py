@@ -119,13 +119,13 @@ def test_pockets_in_a_block() -> None:
 def test_the_largest_face_that_fits_is_found() -> None:
     placement = ImportedFace.of(tray()).placement(40)
     assert placement.normal((0, 0))[0] == pytest.approx([0, 0, -1], abs=1e-9)
-    with pytest.raises(DesignError, match=r"takes a code of 55 mm.*at most (49|50)"):
+    with pytest.raises(DesignError, match=r"takes a code of 55 mm.*at most 4"):
         ImportedFace.of(tray()).placement(55)
 
 
 def test_refusals_name_what_works() -> None:
     with pytest.raises(DesignError, match=r"hangs over.*at most .* mm works there.*nearest place"):
-        ImportedFace.of(tray(), point=(22.0, -25.0, 15.0)).placement(20)
+        ImportedFace.of(tray(), point=(20.0, -25.0, 15.0)).placement(24)
     ribbed = difference(tray(2.0), BRepPrimAPI_MakeBox(gp_Pnt(-8, -25, 5), 4, 1.0, 20).Shape())
     with pytest.raises(DesignError, match="step, opening or rib"):
         ImportedFace.of(ribbed, **FRONT).placement(20)
@@ -142,9 +142,9 @@ def test_refusals_name_what_works() -> None:
 
 def test_the_code_reads_from_outside_and_is_not_mirrored(tmp_path: Path) -> None:
     pattern = code("PERFQR", 22.0)
-    path = write_step(tube(20.0), tmp_path / "tube.step")
+    path = write_step(tube(30.0, 0.8), tmp_path / "tube.step")
     for wrap in (False, True):
-        target = ImportedFace(path, point=(0.0, -20.0, 25.0), wrap=wrap)
+        target = ImportedFace(path, point=(0.0, -30.0, 25.0), wrap=wrap)
         placement = target.placement(22.0)
         image = seen(target.solid(pattern, placement, STRAIGHT).triangles, placement.frame_at_centre, 22.0)
         found = zxingcpp.read_barcodes(image)
