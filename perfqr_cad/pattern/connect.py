@@ -35,16 +35,25 @@ STAR_QUANTILE = 0.5  # of the tree's prices: no arm of a junction is dearer
 
 
 def join(
-    draft: Draft, symbol: Symbol, scale: int, web_mm: float, solid_is_dark: bool, time_limit_s: float
+    draft: Draft,
+    symbol: Symbol,
+    scale: int,
+    web_mm: float,
+    solid_is_dark: bool,
+    time_limit_s: float,
+    pieces: Labels | None = None,
 ) -> tuple[Draft, Optimality | None]:
-    """All islands joined at the least cost over the candidate routes, and the proof."""
-    labels, count = label(draft.solid)
+    """All islands joined at the least cost over the candidate routes, and the proof.
+
+    pieces  numbers the cells of what is to be joined, where it is not simply the solid cells that share edges
+    """
+    labels = label(draft.solid)[0] if pieces is None else pieces
+    count = int(labels.max())
     if count <= 1:
         return draft, Optimality(0.0, 0.0, 0.0, 0.0)
     lattice = draft.lattice
     brush, step = lattice.whole(web_mm), brush_step(lattice.per_module, scale)
-    draft = stand_on_grid(draft, labels, count, brush, step)
-    labels, _ = label(draft.solid)
+    draft, labels = stand_on_grid(draft, labels, count, brush, step)
     grid = brush_grid(draft.solid, labels, cell_price(draft, symbol, solid_is_dark), brush, step)
     router = Router(grid, LENGTH_PRICE * AREA_PRICE * brush * step / lattice.per_module**2)
     pairs = router.pairs()
@@ -86,7 +95,7 @@ def brush_step(per_module: int, scale: int) -> int:
     return min(max(per_module // (2 * scale), per_module // 8), per_module // STEPS_PER_MODULE)
 
 
-def stand_on_grid(draft: Draft, labels: Labels, count: int, brush: int, step: int) -> Draft:
+def stand_on_grid(draft: Draft, labels: Labels, count: int, brush: int, step: int) -> tuple[Draft, Labels]:
     """Widens the islands on which the brush has no position on its grid, so that it has."""
     at = brush_positions(len(draft.solid), brush, step)
     held = discs(draft.solid, brush)
@@ -95,18 +104,20 @@ def stand_on_grid(draft: Draft, labels: Labels, count: int, brush: int, step: in
     reached[0] = True
     reached[labels[middle][held[np.ix_(at, at)]]] = True
     if reached.all():
-        return draft
+        return draft, labels
     import cv2
 
     depth = cv2.distanceTransform(draft.solid.astype(np.uint8), cv2.DIST_L2, 5)
     ys, xs = np.nonzero(~reached[labels])
     order = np.lexsort((-depth[ys, xs], labels[ys, xs]))
     first = order[np.unique(labels[ys, xs][order], return_index=True)[1]]
-    widened = np.zeros_like(draft.solid)
+    widened, labels = np.zeros_like(draft.solid), labels.copy()
     for y, x in zip(ys[first].tolist(), xs[first].tolist(), strict=True):
         left, top = (int(at[np.abs(at + brush // 2 - k).argmin()]) for k in (x, y))
-        widened[min(y, top) : max(y + 1, top + brush), min(x, left) : max(x + 1, left + brush)] = True
-    return draft.with_cells(widened, solid=True).counted(webs_grown=len(first))
+        square = np.s_[min(y, top) : max(y + 1, top + brush), min(x, left) : max(x + 1, left + brush)]
+        widened[square] = True
+        labels[square] = labels[y, x]
+    return draft.with_cells(widened, solid=True).counted(webs_grown=len(first)), labels
 
 
 def cell_price(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Field:

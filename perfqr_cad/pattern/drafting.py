@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import DesignError
@@ -9,8 +11,8 @@ from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.connect import join
 from perfqr_cad.pattern.draft import Bar, Draft, Rect, link_corners
 from perfqr_cad.pattern.finder import bars, core_bars
-from perfqr_cad.pattern.finish import Job, finish, mended
-from perfqr_cad.pattern.lattice import draw, label
+from perfqr_cad.pattern.finish import Job, finish, mended, numbered_pieces
+from perfqr_cad.pattern.lattice import Cells, draw, label
 from perfqr_cad.pattern.paper import join_paper
 from perfqr_cad.pattern.pattern import Pattern
 from perfqr_cad.pattern.sampling import brightness
@@ -18,7 +20,7 @@ from perfqr_cad.pattern.size import least_dot_mm, module_size, rounded_up
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.pattern.style import is_drawn, shaped_modules, shapes
 from perfqr_cad.pattern.tidy import fill_slivers, tidy
-from perfqr_cad.symbol import Matrix, Symbol, readability
+from perfqr_cad.symbol import Matrix, Readability, Symbol, readability
 
 if TYPE_CHECKING:
     from perfqr_cad.capture import Art
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 GROWTH = 1.25  # from one size that is tried to the next
 MOST_GROWTHS = 8
+MOST_REJOINS = 3
 
 
 def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
@@ -52,8 +55,23 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     if not draft.shapes:
         draft = fill_slivers(draft, right_solid, gap)
     draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid, sparing)
-    draft, sound = mended(draft, spec)
+    draft, sound = rejoined(draft, symbol, spec, scale, right_solid)
+    if not sound:
+        draft, sound = mended(draft, spec)
     return finish(draft, Job(symbol, spec, islands, reason, optimality, losses), sound)
+
+
+def rejoined(
+    draft: Draft, symbol: Symbol, spec: PatternSpec, scale: int, right_solid: Cells
+) -> tuple[Draft, bool]:
+    """Routes laid wherever less than the least web holds a piece; and whether all hold now."""
+    for _ in range(MOST_REJOINS):
+        if (pieces := numbered_pieces(draft, spec.web_mm)) is None:
+            return draft, True
+        inverted = spec.tone == "inverted"
+        draft, _ = join(draft, symbol, scale, spec.web_mm, inverted, spec.time_limit_s, pieces)
+        draft = link_corners(draft, spec.web_mm, spec.gap_mm, right_solid)
+    return draft, False
 
 
 def printable(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[Draft, str]:
@@ -71,11 +89,13 @@ def printable(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[Draft
             return asked, reason
         web, gap = asked.lattice.whole(spec.web_mm), asked.lattice.whole(spec.gap_mm)
         draft = tidy(asked, right_solid, web, gap)
-        if spec.size_mm is not None:
-            return draft, reason
-        held, kept = (_wrong_codewords(d, symbol, solid_is_dark) for d in (asked, draft))
-        lost = kept - held
+        held, kept = (_readability(d, symbol, solid_is_dark) for d in (asked, draft))
+        lost = sum(kept.errors) - sum(held.errors)
         if lost <= 0:
+            return draft, reason
+        if spec.size_mm is not None:
+            if math.isinf(kept.total) or (art is not None and art.kind == "halftone"):
+                raise _too_small_for_art(symbol, spec, art, lost)
             return draft, reason
         modules = symbol.size + 2 * spec.quiet_modules
         module_mm = rounded_up(module_mm * GROWTH * modules) / modules
@@ -88,9 +108,18 @@ def printable(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[Draft
     )
 
 
-def _wrong_codewords(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> int:
+def _too_small_for_art(symbol: Symbol, spec: PatternSpec, art: Art | None, lost: int) -> DesignError:
+    enough, _ = printable(symbol, replace(spec, size_mm=None), art)
+    least_size = rounded_up(enough.lattice.cells * enough.lattice.cell_mm)
+    return DesignError(
+        f"at size {spec.size_mm:g} mm webs of {spec.web_mm:g} mm cost the art {lost} codewords, 0 is the limit:"
+        f" use --size {least_size:g} or more, or a finer nozzle"
+    )
+
+
+def _readability(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Readability:
     observed = Matrix((brightness(draft.lattice) >= 0.5) == solid_is_dark)
-    return sum(readability(observed, symbol).errors)
+    return readability(observed, symbol)
 
 
 def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float) -> Draft:

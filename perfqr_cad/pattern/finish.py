@@ -11,7 +11,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.draft import Draft, strip
 from perfqr_cad.pattern.dress import filleted, smoothed
-from perfqr_cad.pattern.lattice import sharpened, trace
+from perfqr_cad.pattern.lattice import Labels, sharpened, trace
 from perfqr_cad.pattern.outline import Loop, Points, Region
 from perfqr_cad.pattern.pattern import Optimality, Pattern
 from perfqr_cad.pattern.sampling import brightness
@@ -90,6 +90,28 @@ def mended(draft: Draft, spec: PatternSpec) -> tuple[Draft, bool]:
         if len(pieces) <= 1:
             return draft, True
     return draft, False
+
+
+def numbered_pieces(draft: Draft, web_mm: float) -> Labels | None:
+    """(cells, cells) piece that each cell belongs to when webs thinner than the least are cut; None for one."""
+    import cv2
+    import shapely
+
+    parts = shapely.get_parts(ground(draft))
+    pieces = [piece for part in parts for piece in web_pieces(part, web_mm) or [part]]
+    if len(pieces) <= 1:
+        return None
+    lattice = draft.lattice
+    labels = np.zeros(draft.solid.shape, np.int32)
+    for number, piece in enumerate(pieces, start=1):
+        rings = [piece.exterior, *piece.interiors]
+        corners = [[lattice.from_mm((x, y)) for x, y in ring.coords] for ring in rings]
+        cv2.fillPoly(labels, [np.rint(np.array(c) - 0.5).astype(np.int32) for c in corners], (number,))
+        middle = piece.representative_point()
+        x, y = lattice.from_mm((middle.x, middle.y))
+        labels[int(y), int(x)] = number
+    labels[~draft.solid] = 0
+    return labels
 
 
 def web_pieces(polygon: Polygon, web_mm: float) -> list[Polygon]:

@@ -36,7 +36,7 @@ def run(out: Path) -> Table:
         ("method", "islands", "connectors weighed", "codewords lost", "L(Q) at the end"),
         rows,
         (
-            "the paper's own curve is of another picture: its shape and its end in ∞ for λ = 0 are what compares",
+            "the paper's curve is of another picture: its shape, and its end in ∞ for λ = 0, are what compares",
         ),
     )
 
