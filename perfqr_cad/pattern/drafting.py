@@ -112,7 +112,7 @@ def _too_small_for_art(symbol: Symbol, spec: PatternSpec, art: Art | None, lost:
     enough, _ = printable(symbol, replace(spec, size_mm=None), art)
     least_size = rounded_up(enough.lattice.cells * enough.lattice.cell_mm)
     return DesignError(
-        f"at size {spec.size_mm:g} mm webs of {spec.web_mm:g} mm cost the art {lost} codewords, 0 is the limit:"
+        f"at size {spec.size_mm:g} mm webs of {spec.web_mm:g} mm cost the art {lost} codewords, limit 0:"
         f" use --size {least_size:g} or more, or a finer nozzle"
     )
 

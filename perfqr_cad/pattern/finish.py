@@ -93,7 +93,7 @@ def mended(draft: Draft, spec: PatternSpec) -> tuple[Draft, bool]:
 
 
 def numbered_pieces(draft: Draft, web_mm: float) -> Labels | None:
-    """(cells, cells) piece that each cell belongs to when webs thinner than the least are cut; None for one."""
+    """(cells, cells) piece of each cell when webs thinner than the least are cut; None when it is one."""
     import cv2
     import shapely
 

@@ -35,9 +35,7 @@ def run(out: Path) -> Table:
         f"Fig. 9: loss of readability along the connectors ({flower.name})",
         ("method", "islands", "connectors weighed", "codewords lost", "L(Q) at the end"),
         rows,
-        (
-            "the paper's curve is of another picture: its shape, and its end in ∞ for λ = 0, are what compares",
-        ),
+        ("the paper's curve is of another picture: compare its shape, and its end in ∞ for λ = 0",),
     )
 
 
