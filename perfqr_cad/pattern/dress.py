@@ -105,6 +105,8 @@ def _bent(loop: Loop, tolerance_mm: float) -> Loop:
     room = np.minimum(lengths, before(lengths)) / 2
     cut = np.minimum(2 * (1 - SIMPLIFY_PART) * tolerance_mm / bow, room)
     cut[(turn > SMOOTH_TURN_RAD) | (turn < STRAIGHT_TURN_RAD)] = 0.0
+    cut = _without_remnants(cut, lengths)
+    cut[cut < LEAST_EDGE_MM / 10] = 0.0
     segments: list[Segment] = []
     for k in range(len(corners)):
         corner = corners[k]

@@ -173,7 +173,11 @@ def ground(draft: Draft) -> Any:
         outer = loops.pop(outers[0])
         shape: Any = Polygon(outer, loops)
     else:
-        shape = shapely.build_area(MultiLineString([LinearRing(points) for points in loops]))
+        try:
+            shape = shapely.build_area(MultiLineString([LinearRing(points) for points in loops]))
+        except shapely.errors.GEOSException:  # sharpened corners of two pieces cross: keep their stairs
+            loops = _drawn_loops(draft, sharp=False)
+            shape = shapely.build_area(MultiLineString([LinearRing(points) for points in loops]))
     if draft.shapes:
         shape = shapely.difference(shape, shapely.union_all([Polygon(s.flatten()) for s in draft.shapes]))
     if draft.slanted:
@@ -181,16 +185,21 @@ def ground(draft: Draft) -> Any:
     return shape
 
 
-def _drawn_loops(draft: Draft) -> list[Points]:
+def _drawn_loops(draft: Draft, sharp: bool = True) -> list[Points]:
     """Boundary loops in mm, their stairs sharpened, but for those few that would cut themselves by it."""
     import shapely
 
     plain = trace(draft.upright)
-    sharp = [sharpened(loop) for loop in plain]
-    sound = shapely.is_valid([shapely.Polygon(loop) for loop in sharp])
+    lines = [sharpened(loop) if sharp else loop.astype(np.float64) for loop in plain]
+    sound = shapely.is_valid([shapely.Polygon(loop) for loop in lines])
     lattice = draft.lattice
     half, scale = lattice.cells / 2, np.array([lattice.cell_mm, -lattice.cell_mm])
-    drawn = [s if ok else p.astype(np.float64) for s, p, ok in zip(sharp, plain, sound, strict=True)]
+    drawn = [s if ok else p.astype(np.float64) for s, p, ok in zip(lines, plain, sound, strict=True)]
+    outers = [k for k, points in enumerate(drawn) if _signed_area(points) < 0]  # y runs down here
+    if len(outers) == 1:
+        holes = [points for k, points in enumerate(drawn) if k != outers[0]]
+        if not shapely.Polygon(drawn[outers[0]], holes).is_valid:
+            drawn = [points.astype(np.float64) for points in plain]
     return [(points - half) * scale for points in drawn]
 
 
