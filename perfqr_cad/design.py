@@ -35,6 +35,11 @@ if TYPE_CHECKING:
 class Target(Protocol):
     """What the code is carved into."""
 
+    @property
+    def behind(self) -> Triangles | None:
+        """A dark body that the finished part sits on and that is seen through its holes, or None."""
+        ...
+
     def placement(self, size_mm: float) -> Placement:
         """Where a code of this edge (quiet zone included) lies. `DesignError` when it does not fit."""
         ...
@@ -49,6 +54,10 @@ class Sheet:
     """A wall of even thickness, bent like the surface it is given: the target unless another is named."""
 
     surface: Placement
+
+    @property
+    def behind(self) -> None:
+        """Nothing: the ground is seen through the holes."""
 
     def placement(self, size_mm: float) -> Placement:
         """The surface, once its distortion is within the limit."""
@@ -180,6 +189,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             _payload(symbol),
             plan=_plan(request),
             seed=request.seed,
+            behind=target.behind,
         )
     _require_readable(report)
     return Design(

@@ -1,9 +1,9 @@
-"""A ring for a bottle: a band of a cylinder with the code wrapped around it."""
+"""A ring for a dark bottle: a band of a cylinder with the code wrapped around it."""
 
 from build123d import Cylinder
 
 from perfqr_cad import make
-from perfqr_cad.solid.imported import ImportedFace
+from perfqr_cad.solid.imported import ImportedFace, mesh_shape
 
 # [Code]
 # the text of the code
@@ -22,6 +22,8 @@ diameter = 80.0  # [5:0.1:5000]
 height = 0.0  # [0:0.1:5000]
 # thickness of the wall, mm
 thickness = 1.6  # [0.1:0.1:50]
+# play between the ring and the bottle, in diameter, mm
+clearance = 0.4  # [0.05:0.05:10]
 
 # [Look]
 # shape of the modules
@@ -43,10 +45,11 @@ pressure = 5e-6
 def build(p):
     height = p.height or p.size
     ring = Cylinder(p.diameter / 2, height) - Cylinder(p.diameter / 2 - p.thickness, height)
+    bottle = Cylinder(p.diameter / 2 - p.thickness - p.clearance / 2, height)
     front = (0.0, -p.diameter / 2, 0.0)
     return make(
         p.text,
-        target=ImportedFace.of(ring, point=front, wrap=True),
+        target=ImportedFace.of(ring, point=front, wrap=True, behind=mesh_shape(bottle)),
         level=p.level,
         size_mm=p.size,
         quiet_modules=p.quiet,

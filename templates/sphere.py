@@ -10,8 +10,8 @@ from perfqr_cad.solid.imported import ImportedFace
 text = "https://example.com"
 # error correction level
 level = "M"  # [L:7 %, M:15 %, Q:25 %, H:30 %]
-# edge of the code with its quiet zone, mm
-size = 30.0  # [1:0.1:2000]
+# edge of the code with its quiet zone, mm; 0 takes the smallest that the nozzle prints
+size = 0.0  # [0:0.1:2000]
 # light margin around the code, modules
 quiet = 4  # [1:1:20]
 
@@ -45,7 +45,7 @@ def build(p):
         p.text,
         target=ImportedFace.of(ball, point=front),
         level=p.level,
-        size_mm=p.size,
+        size_mm=p.size or None,
         quiet_modules=p.quiet,
         style=p.style,
         fillet_mm=None if p.fillet < 0 else p.fillet,

@@ -18,23 +18,43 @@ PLATE_SLENDERNESS = 0.25  # thickness over width: thicker than this, it is a blo
 
 @dataclass(frozen=True)
 class Part:
-    """Vertices (k, 3) mm and faces (m, 3) of a closed mesh, the code it shows, and whether it is a plate."""
+    """Vertices (k, 3) mm and faces (m, 3) of a closed mesh, the code it shows, and whether it is a plate.
+
+    behind   a body of the ground's colour behind the code: no part of the part, but seen through its holes
+    """
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
     target: Target
     flat: bool
+    behind: Triangles | None = None
 
     def in_frame(self) -> NDArray[np.float64]:
         """Vertices (k, 3) with the code's centre as origin and its normal as z."""
-        return (self.vertices - self.target.centre_mm) @ self.target.axes.T
+        return self._to_frame(self.vertices)
+
+    def behind_in_frame(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Vertices (k, 3), as `in_frame`, and faces (m, 3) of what is behind; empty when nothing is."""
+        if self.behind is None:
+            return np.zeros((0, 3)), np.zeros((0, 3), np.int64)
+        return self._to_frame(self.behind.vertices), np.asarray(self.behind.faces, np.int64)
+
+    def _to_frame(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        return (np.asarray(points, np.float64) - self.target.centre_mm) @ self.target.axes.T
 
 
-def place(triangles: Triangles, placement: Placement | None = None, *, edge_mm: float | None = None) -> Part:
+def place(
+    triangles: Triangles,
+    placement: Placement | None = None,
+    *,
+    edge_mm: float | None = None,
+    behind: Triangles | None = None,
+) -> Part:
     """The part in front of the camera.
 
     Without a placement the code is taken to lie on the top (largest z) of the mesh, centred on its
-    bounding box, with the reader above; `edge_mm` is then the longer side of that box.
+    bounding box, with the reader above; `edge_mm` is then the longer side of that box. A part with a body
+    `behind` it is filmed by rays even if it is a plate.
     """
     vertices = np.asarray(triangles.vertices, np.float64)
     faces = np.asarray(triangles.faces, np.int64)
@@ -47,8 +67,9 @@ def place(triangles: Triangles, placement: Placement | None = None, *, edge_mm: 
         origin = np.zeros((1, 2))
         centre, axes = placement.point(origin)[0], placement.frame(origin)[0]
     edge = edge_mm if edge_mm is not None else float((high - low)[:2].max())
-    part = Part(vertices, faces, Target(centre, axes, edge), flat=False)
-    return replace(part, flat=(placement is None or placement.is_flat) and _is_plate(part.in_frame()))
+    part = Part(vertices, faces, Target(centre, axes, edge), flat=False, behind=behind)
+    level = behind is None and (placement is None or placement.is_flat)
+    return replace(part, flat=level and _is_plate(part.in_frame()))
 
 
 def _is_plate(vertices: NDArray[np.float64]) -> bool:

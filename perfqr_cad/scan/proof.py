@@ -88,6 +88,7 @@ def certify(
     decoders: Sequence[str] | None = CORE,
     look: Look | None = None,
     seed: int = 0,
+    behind: Triangles | None = None,
 ) -> ScanReport:
     """Film a solid and report which decoders read the exact payload, beside the flat print of the same code.
 
@@ -95,13 +96,16 @@ def certify(
     pattern     gives the symbol of the flat print; None: it is read off the frontal view if that can be done
     payload     None: what the decoders that read the frontal view agree on
     decoders    names, or None for all that this machine has
+    behind      a matte body of the ground's colour that is seen through the holes, such as the bottle in a
+                ring; no part of the part
 
     AnalysisError if a decoder is not available here, or if no payload was given and none can be read;
     KernelError if the mesh is empty.
     """
     look = look or Look()
     tell("film the part")
-    scene = Scene(place(triangles, placement, edge_mm=None if pattern is None else pattern.size_mm))
+    edge_mm = None if pattern is None else pattern.size_mm
+    scene = Scene(place(triangles, placement, edge_mm=edge_mm, behind=behind))
     panel = shared(decoders)
     if payload is None:
         payload = _agreed(scene, look, panel, plan)

@@ -1,7 +1,8 @@
 """Views of any closed mesh by ray casting (Embree): exact visibility, light by sampled rays.
 
 Light is worked out at a ninth of the pixels, with one lamp ray, one sky ray and one reflection each,
-and averaged over neighbours that face the same way; edges between faces stay sharp.
+and averaged over neighbours that face the same way; edges between faces stay sharp. A body behind the
+part is lit and hidden like the part, but has the ground's colour and, like the ground, throws no light back.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from perfqr_cad.scan.skylight import Picture
 Floats = NDArray[np.float64]
 LIFT_MM = 1e-3  # rays leave a surface from this far above it, or they would meet it again
 GROUND = np.int8(0)
+AXIS_CLASSES = 6  # the ways a triangle can face
 SAMPLE_STEP = 3  # light is sampled at every third pixel of every third row
 SMOOTH_PX = 6.0  # and averaged over about 2 pi 6² / 9 = 25 samples
 _TINY = 1e-6
@@ -29,12 +31,20 @@ _TINY = 1e-6
 
 @dataclass(frozen=True)
 class Tracer:
-    """A mesh in the frame of its code (z towards the reader), ready for rays."""
+    """A mesh in the frame of its code (z towards the reader), ready for rays.
+
+    The first `of_part` triangles are the part, the others a body of the ground's colour.
+    """
 
     scene: Any
     normals: Floats
     classes: NDArray[np.int8]
     lowest_mm: float
+    of_part: int
+
+    def on_part(self, triangle: NDArray[np.int32]) -> NDArray[np.bool_]:
+        """Whether the rays with these hits met the part."""
+        return (triangle >= 0) & (triangle < self.of_part)
 
     def hit(
         self, origins: Floats, directions: NDArray[np.floating]
@@ -52,17 +62,21 @@ class Tracer:
 
 
 def tracer(part: Part) -> Tracer:
-    """Build the ray caster of a part."""
+    """Build the ray caster of a part and of what is behind it."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
-    vertices = part.in_frame()
+    points, triangles = part.behind_in_frame()
+    vertices = np.vstack([part.in_frame(), points])
+    faces = np.vstack([part.faces, triangles + len(part.vertices)])
     scene = EmbreeScene()
-    TriangleMesh(scene, vertices.astype(np.float32), part.faces.astype(np.int32))
-    corner = vertices[part.faces]
+    TriangleMesh(scene, vertices.astype(np.float32), faces.astype(np.int32))
+    corner = vertices[faces]
     normals = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-300
-    return Tracer(scene, normals, _classes(normals), float(vertices[:, 2].min()))
+    classes = _classes(normals)
+    classes[len(part.faces) :] += AXIS_CLASSES  # its light is not averaged with the part's
+    return Tracer(scene, normals, classes, float(vertices[:, 2].min()), len(part.faces))
 
 
 def shoot(
@@ -74,8 +88,7 @@ def shoot(
     eye = (camera.eye_mm - camera.target.centre_mm) @ axes.T
     directions = (camera.directions() @ axes.T).astype(np.float32)
     triangle, distance = tracer.hit(np.broadcast_to(eye, directions.shape), directions)
-    on_part = triangle >= 0
-    facing = np.where(on_part, tracer.classes[triangle], GROUND).reshape(size, size)
+    facing = np.where(triangle >= 0, tracer.classes[triangle], GROUND).reshape(size, size)
 
     sampled = np.arange(size * size).reshape(size, size)[::SAMPLE_STEP, ::SAMPLE_STEP]
     floor = tracer.lowest_mm - gap_mm
@@ -83,7 +96,7 @@ def shoot(
     rng = np.random.default_rng(seed)
     light_there = _irradiance(tracer, points, normals, light, reflectance, rng)
     lit = _spread(light_there.reshape(sampled.shape).astype(np.float32), facing)
-    cover = on_part.reshape(size, size).astype(np.float32)
+    cover = tracer.on_part(triangle).reshape(size, size).astype(np.float32)
     return Shot(lit * cover, lit * (1 - cover), cover, np.linalg.inv(camera.homography(-floor)))
 
 
@@ -133,7 +146,7 @@ def _direct(
     sky = _cosine_rays(normals, rng)
     triangle, distance = tracer.hit(start, sky)
     total = total + light.ambient * ((triangle < 0) & (sky[:, 2] > 0))
-    onto = np.nonzero(triangle >= 0)[0]
+    onto = np.nonzero(tracer.on_part(triangle))[0]
     where = start[onto] + sky[onto] * distance[onto, None]
     facing = tracer.normals[triangle[onto]].copy()
     facing[np.einsum("ij,ij->i", facing, sky[onto]) > 0] *= -1

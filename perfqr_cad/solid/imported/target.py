@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from perfqr_cad.solid.imported.host import Host
     from perfqr_cad.solid.shape import Solid
     from perfqr_cad.solid.walls import Walls
-    from perfqr_cad.surface import Placement
+    from perfqr_cad.surface import Placement, Triangles
 
 Triple = tuple[float, float, float]
 
@@ -44,6 +44,8 @@ class ImportedFace:
     wrap       lay the code along the face (lengths kept) instead of projecting it along the centre's normal
     depth_mm   blind pockets of that depth instead of through-holes
     shape      a solid in memory instead of a file: see `of`
+    behind     a dark body that the part sits on, seen through its holes: only the camera knows of it (see
+               `mesh_shape`)
     """
 
     path: str | Path | None = None
@@ -55,6 +57,7 @@ class ImportedFace:
     wrap: bool = False
     depth_mm: float | None = None
     shape: Any = field(default=None, repr=False)
+    behind: Triangles | None = field(default=None, repr=False)
 
     @staticmethod
     def of(shape: Any, **place: Any) -> ImportedFace:

@@ -60,6 +60,10 @@ class MeshTarget:
         """A mesh in memory, mm; `place` as above."""
         return MeshTarget(mesh=mesh, **place)
 
+    @property
+    def behind(self) -> None:
+        """Nothing: what is seen through the holes is the body's own inside, or the ground."""
+
     @cached_property
     def outer(self) -> Triangles:
         """The mended, scaled body. Raises `KernelError` or `DesignError` for what cannot be mended."""
