@@ -28,7 +28,10 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
 
 
-FRONTAL_FRAMES = 3  # whether a part reads at all must not hang on the noise of one frame
+# Whether a part reads at all must not hang on the noise of one frame, nor on one distance: who scans from
+# straight above moves the phone until it reads. Picture sizes of the frontal frames, of the plan's own.
+NEARER = (1.0, 1.25, 0.8, 1.25, 1.5)
+FRONTAL_FRAMES = len(NEARER)
 
 
 @dataclass(frozen=True)
@@ -162,6 +165,8 @@ def _picture(
 ) -> Callable[[], NDArray[np.uint8]]:
     """One frame of one view, made when it is called for; the first frame is the view itself."""
     seen = jittered(view, np.random.default_rng([seed, index, frame])) if frame else view
+    if view.tilt_deg == 0:
+        seen = replace(seen, size_px=round(seen.size_px * NEARER[frame % FRONTAL_FRAMES]))
     return lambda: subject.photo(seen, look, seed=_seed(seed, index, frame))
 
 
