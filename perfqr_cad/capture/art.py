@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.capture.grid import Grid, look_up
+from perfqr_cad.capture.grid import Floats, Grid, look_up
 from perfqr_cad.capture.model import Art
 from perfqr_cad.capture.register import known_modules
 
@@ -42,7 +42,7 @@ def rectify(image: NDArray[np.uint8], grid: Grid, module_px: int) -> NDArray[np.
 
 
 def art_of(
-    image: NDArray[np.uint8], grid: Grid, dark: NDArray[np.bool_], light_level: Floats32, dark_level: Floats32
+    image: NDArray[np.uint8], grid: Grid, dark: NDArray[np.bool_], light_level: Floats, dark_level: Floats
 ) -> Art:
     """The art of a symbol whose modules are `dark` (n, n) and whose levels of light and dark are (n, n)."""
     shade = _shade(image, grid, light_level, dark_level)
@@ -63,7 +63,7 @@ def _straight(image: NDArray[np.uint8], grid: Grid, scale: int) -> Floats32:
     return look_up(image, grid.pixels(np.stack([x, y], axis=-1)))
 
 
-def _shade(image: NDArray[np.uint8], grid: Grid, light_level: Floats32, dark_level: Floats32) -> Floats32:
+def _shade(image: NDArray[np.uint8], grid: Grid, light_level: Floats, dark_level: Floats) -> Floats32:
     """(n·s, n·s) shades from −½, the level of light there, to +½, that of dark."""
     seen = _straight(image, grid, VIEW_SCALE)
     light, dark = (

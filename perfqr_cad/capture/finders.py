@@ -9,7 +9,7 @@ from itertools import combinations
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
 
 from perfqr_cad.capture.grid import Floats, cross
 from perfqr_cad.symbol import size_of

@@ -91,7 +91,9 @@ def cross(a: Floats, b: Floats) -> Any:
 
 def homography_of(source: Floats, target: Floats) -> Floats:
     """The (3, 3) homography through four point pairs, scaled so that its last entry is 1."""
-    return cv2.getPerspectiveTransform(source.astype(np.float32), target.astype(np.float32))
+    return np.asarray(
+        cv2.getPerspectiveTransform(source.astype(np.float32), target.astype(np.float32)), np.float64
+    )
 
 
 def project(homography: Floats, points: Floats) -> Floats:

@@ -220,7 +220,7 @@ def _on_edges(image: NDArray[np.float32], grid: Grid) -> Grid:
     corrections = []
     for along in (0, 1):
         edge = np.abs(np.gradient(seen, axis=1 - along))
-        turn = np.exp(2j * np.pi * points[..., along])
+        turn: NDArray[np.complex128] = np.exp(2j * np.pi * points[..., along])
         window = (0, 0), EDGE_WINDOW_MODULES * scale
         real, imaginary, total = (
             cv2.GaussianBlur(part.astype(np.float32), *window)

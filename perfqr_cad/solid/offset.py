@@ -26,7 +26,7 @@ MOST_TURN_RAD = 1.0  # an arc whose sweep changes more has closed and come out o
 SHARE = 0.5  # a rounded corner that would shrink below this share of its radius keeps the radius instead
 
 
-def widened(loop: Loop, flares: Sequence[float]) -> Loop:
+def widened(loop: Loop, flares: Sequence[float] | Array) -> Loop:
     """The loop with each segment set back to its left by its own flare, mm.
 
     Rounded corners between lines stay tangent; joints that hardly turn take the lesser flare of the two.

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """The chart of a flat plate: every curve and every wall exact."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Proof that a solid is valid, in time linear in its edges (to a logarithm).
 
 `BRepCheck` compares the edges of a face pair by pair, which is quadratic on a perforated face, and passes

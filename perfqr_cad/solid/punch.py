@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Perforating without booleans: loops become wires of the front and back faces, walls are stitched
 between."""
 

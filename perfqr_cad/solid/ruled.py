@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Ruled walls: straight lines between a curve on one level and a curve on the next."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """The finished part: an exact shape, what was measured on it, and its triangles."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """STEP files: written in linear time, read without the healing that is quadratic on perforated faces."""
 
 from __future__ import annotations

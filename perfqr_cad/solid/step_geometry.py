@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Curves and surfaces of the kernel as STEP geometry (ISO 10303-42)."""
 
 from __future__ import annotations

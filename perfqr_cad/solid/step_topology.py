@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Solids of the kernel as STEP boundary representations, in time linear in their edges.
 
 The kernel's own writer runs its shape-healing tools on every face first (`ShapeFix_SplitCommonVertex`

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """The walls of one hole (or of the rim): shared edges, exact images, material to the left of travel.
 
 Seen from the reader, the outer loop runs counter-clockwise and holes run clockwise. Out of the material is

@@ -133,7 +133,7 @@ class Placement(ABC):
         along_u, _ = self.tangents(at)
         along_u -= np.einsum("ki,ki->k", along_u, normal)[:, None] * normal
         along_u /= np.linalg.norm(along_u, axis=1)[:, None]
-        return np.stack([along_u, np.cross(normal, along_u), normal], axis=1)
+        return np.asarray(np.stack([along_u, np.cross(normal, along_u), normal], axis=1), np.float64)
 
     def volume_density(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
         """Material volume per pattern area and depth, (k,): the Jacobian of `at_depth`."""

@@ -54,7 +54,7 @@ class TensorSpline:
 def interpolated(x: Array, values: Array) -> Spline:
     """The not-a-knot cubic through (k, d) values at k ≥ 4 rising parameters."""
     knots = not_a_knot(x)
-    return Spline(knots, np.linalg.solve(collocation(knots, x), values))
+    return Spline(knots, np.asarray(np.linalg.solve(collocation(knots, x), values), np.float64))
 
 
 def tensor(x: Array, y: Array, values: Array) -> TensorSpline:
@@ -68,7 +68,7 @@ def tensor(x: Array, y: Array, values: Array) -> TensorSpline:
 def fitted(function: Callable[[Array], Array], knots: Array) -> Spline:
     """The cubic with these flat knots through `function`, (k,) -> (k, d), at their Greville abscissae."""
     sites = greville(knots)
-    return Spline(knots, np.linalg.solve(collocation(knots, sites), function(sites)))
+    return Spline(knots, np.asarray(np.linalg.solve(collocation(knots, sites), function(sites)), np.float64))
 
 
 def tensor_fitted(function: Callable[[Array], Array], u_knots: Array, v_knots: Array) -> TensorSpline:
@@ -115,7 +115,7 @@ def _both_ways(along_u: Array, along_v: Array, values: Array) -> Array:
     half = np.linalg.solve(along_u, values.reshape(len(values), -1)).reshape(values.shape)
     turned = np.swapaxes(half, 0, 1)
     whole = np.linalg.solve(along_v, turned.reshape(len(turned), -1)).reshape(turned.shape)
-    return np.swapaxes(whole, 0, 1)
+    return np.asarray(np.swapaxes(whole, 0, 1), np.float64)
 
 
 def _basis(knots: Array, x: Array, derivative: int) -> tuple[NDArray[np.int64], Array]:

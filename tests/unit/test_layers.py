@@ -20,7 +20,9 @@ forbidden_modules = numpy
 
 def lint(*arguments: str) -> subprocess.CompletedProcess[str]:
     command = Path(sys.executable).parent / "lint-imports"
-    return subprocess.run([command, "--no-cache", *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
+    return subprocess.run(
+        [command, "--no-cache", *arguments], cwd=ROOT, capture_output=True, text=True, check=False
+    )
 
 
 def test_data_flows_one_way() -> None:

@@ -21,7 +21,7 @@ class PerforatedQR(BasePartObject):
     `align` and `mode` are build123d's. The code reads from +z; by default its back lies on the plane.
     """
 
-    _applies_to = [BuildPart._tag]  # noqa: RUF012 - build123d's own declaration
+    _applies_to = [BuildPart._tag]  # pyright: ignore[reportPrivateUsage]  # noqa: RUF012 - build123d's own declaration
 
     def __init__(
         self,
@@ -34,7 +34,7 @@ class PerforatedQR(BasePartObject):
         mode: Mode = Mode.ADD,
         **settings: Any,
     ) -> None:
-        context: BuildPart | None = BuildPart._get_context(self)
+        context: BuildPart | None = BuildPart._get_context(self)  # pyright: ignore[reportPrivateUsage] - no public way
         validate_inputs(context, self)
         self.text = text
         self.thickness_mm = thickness_mm

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal, cast
 
 import cadquery
 
@@ -16,7 +16,7 @@ def perforatedQR(
     size_mm: float | None = None,
     thickness_mm: float = 1.6,
     *,
-    combine: bool | str = True,
+    combine: bool | Literal["cut", "a", "s"] = True,
     clean: bool = False,
     **settings: Any,
 ) -> cadquery.Workplane:
@@ -24,7 +24,7 @@ def perforatedQR(
 
     Settings are those of `frontends.plate.plate`; `combine` and `clean` are CadQuery's.
     """
-    code = to_cadquery(plate(text, size_mm, thickness_mm, **settings)).val()
+    code = cast(cadquery.Shape, to_cadquery(plate(text, size_mm, thickness_mm, **settings)).val())
     return self.eachpoint(lambda place: code.moved(place), True, combine, clean)
 
 

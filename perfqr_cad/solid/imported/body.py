@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """A solid as tagged triangles, for questions that rays answer fast: what is hit, how thick, facing where."""
 
 from __future__ import annotations

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Perforating an imported wall: each hole is punched between exact faces; only those over an edge are cut."""
 
 from __future__ import annotations

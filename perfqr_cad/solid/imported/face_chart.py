@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Charts of walls between faces of an imported solid: exact on plane pairs, by Newton and fitted
 elsewhere.
 """

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """A solid that receives a code: its exact faces, its mesh, and where things are on it."""
 
 from __future__ import annotations

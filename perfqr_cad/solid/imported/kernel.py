@@ -1,8 +1,10 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """The few kernel calls that carving into an imported solid needs, as plain functions."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Literal
 
@@ -22,7 +24,7 @@ MOST_EDGE_POINTS = 2000
 
 
 @contextmanager
-def quiet() -> Iterator[None]:
+def quiet() -> Generator[None, None, None]:
     """Keep the kernel's own chatter off the standard output."""
     from OCP.Message import Message, Message_PrinterOStream
 

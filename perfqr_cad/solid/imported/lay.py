@@ -43,7 +43,7 @@ class Laid(Placement):
         """Pattern points (k, 2) of points (k, 3) near the wall; NaN for those far outside the code."""
         line = np.linspace(-self.reach_mm(), self.reach_mm(), UNLAY_SEEDS)
         grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
-        from scipy.spatial import cKDTree
+        from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
 
         distance, nearest = cKDTree(self.point(grid)).query(points)
         uv = grid[nearest]

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Reading the solids of a STEP file: parts by name, in millimetres, or the reason why there are none."""
 
 from __future__ import annotations

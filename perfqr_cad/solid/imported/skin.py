@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """Exact faces: where a straight line through the wall meets them, and whether an outline stays inside."""
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ class Frame:
             e2 = np.asarray(wanted, float) - np.dot(wanted, n) * n
             if np.linalg.norm(e2) > 0.1 * np.linalg.norm(wanted):
                 e2 /= np.linalg.norm(e2)
-                return Frame(np.asarray(origin, float), np.stack([np.cross(e2, n), e2, n]))
+                return Frame(np.asarray(origin, float), np.asarray(np.stack([np.cross(e2, n), e2, n]), float))
         raise DesignError(
             f"up={_vector(tries[0])} points along the face's normal: choose another up direction"
         )

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """What is taken away: prisms for the modeller, and closed meshes for manifold3d."""
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ def _depths(body: Body, low: Array, extent: Array, cell: float, wanted_mm: float
     depth.
     """
     from scipy.ndimage import distance_transform_edt
-    from scipy.spatial import cKDTree
+    from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
 
     counts = np.ceil(extent / cell).astype(int) + 2
     inside = _inside(body, low, counts, cell)
@@ -67,7 +67,7 @@ def _depths(body: Body, low: Array, extent: Array, cell: float, wanted_mm: float
     return depth
 
 
-def _inside(body: Body, low: Array, counts: Array, cell: float) -> NDArray[np.bool_]:
+def _inside(body: Body, low: Array, counts: NDArray[np.int64], cell: float) -> NDArray[np.bool_]:
     """Which grid nodes lie inside: parity of crossings along columns in z."""
     x, y = (
         a.ravel()
@@ -81,7 +81,7 @@ def _inside(body: Body, low: Array, counts: Array, cell: float) -> NDArray[np.bo
     level = np.clip(np.ceil((met.distance_mm - 2 * cell) / cell + 0.5).astype(int), 0, counts[2] - 1)
     steps = np.zeros((len(origins), counts[2]), np.int32)
     np.add.at(steps, (met.ray, level), np.where(met.entering, 1, -1))
-    return (np.cumsum(steps, axis=1) > 0).reshape(counts)
+    return (np.cumsum(steps, axis=1) > 0).reshape(tuple(counts.tolist()))
 
 
 def _contour(depth: Array, low: Array, cell: float, at_mm: float):
@@ -103,7 +103,7 @@ def _contour(depth: Array, low: Array, cell: float, at_mm: float):
     contour.Update()
     surface = contour.GetOutput()
     points = vtk_to_numpy(surface.GetPoints().GetData()).astype(np.float64)
-    faces = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    faces = np.asarray(vtk_to_numpy(surface.GetPolys().GetConnectivityArray()), np.int64).reshape(-1, 3)
     inner = Triangles(points, faces)
     inner = inner if inner.volume_mm3 > 0 else Triangles(points, inner.faces[:, ::-1])
     bubbles = manifold_of(inner).simplify(SIMPLIFY_SHARE * cell).decompose()

@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# The modeller's stubs are incomplete.
 """The surface under a code as an exact B-spline panel, for CAD programs that want faces and not triangles."""
 
 from __future__ import annotations

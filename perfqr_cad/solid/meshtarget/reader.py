@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -52,7 +53,7 @@ def _read_plain(path: Path, kind: str) -> tuple[Array, NDArray[np.int64]]:
     import trimesh
 
     try:
-        loaded = trimesh.load(path, file_type=kind, force="mesh", process=False)
+        loaded: Any = trimesh.load(path, file_type=kind, force="mesh", process=False)
     except (ValueError, IndexError, KeyError, TypeError, AttributeError, EOFError, OSError) as error:
         reason = " ".join(str(error).split())[:80]
         raise KernelError(

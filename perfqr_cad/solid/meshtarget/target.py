@@ -138,6 +138,11 @@ def _projected(body: Body, found: Survey) -> Projected:
     line, wider = (np.linspace(-s / 2, s / 2, GRID) for s in (found.size_mm, span))
     from scipy.interpolate import RegularGridInterpolator
 
-    heights = RegularGridInterpolator((line, line), near.height_mm, bounds_error=False, fill_value=None)
+    heights = RegularGridInterpolator(
+        (line, line),
+        near.height_mm,
+        bounds_error=False,
+        fill_value=None,  # pyright: ignore[reportArgumentType] - None extrapolates; the stub knows numbers only
+    )
     grid = np.stack(np.meshgrid(wider, wider, indexing="ij"), axis=-1)
     return Projected(found.frame, span, heights(grid), found.thickness_mm)
