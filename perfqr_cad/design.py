@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from perfqr_cad.capture import Capture
     from perfqr_cad.export import FileRecord
     from perfqr_cad.pattern import Pattern, PatternSpec
-    from perfqr_cad.scan import Plan, ScanReport
+    from perfqr_cad.scan import Look, Plan, ScanReport
     from perfqr_cad.solid import Solid, Walls
     from perfqr_cad.structure import Reinforcement, StressField
     from perfqr_cad.surface import Placement, Triangles
@@ -162,12 +162,12 @@ def run(request: Request, target: Target | None = None) -> Design:
     with watch("pattern"):
         spec = _spec(request)
         drawn = patterns.build(symbol, spec, None if capture is None else capture.art)
-        (target or _plate(request)).placement(drawn.size_mm)
     if request.scan_tilt_deg:
         with watch("tuning"):
             request = _tuned(request, target, drawn)
     target = target or _plate(request)
-    placement = target.placement(drawn.size_mm)
+    with watch("placement"):
+        placement = target.placement(drawn.size_mm)
     with watch("structure"):
         reinforced = structure.reinforce(
             drawn,
@@ -188,6 +188,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             reinforced.pattern,
             _payload(symbol),
             plan=_plan(request),
+            look=_look(request),
             seed=request.seed,
             behind=target.behind,
         )
@@ -270,6 +271,13 @@ def _plan(request: Request) -> Plan:
     if request.scan_tilt_deg is None:
         return QUICK
     return replace(QUICK, tilts_deg=tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg})))
+
+
+def _look(request: Request) -> Look:
+    """Light material before a dark ground; for the inverted tone, dark material before a light one."""
+    from perfqr_cad.scan import BLACK, WHITE, Look
+
+    return Look(material=BLACK, ground=WHITE) if request.tone == "inverted" else Look()
 
 
 def _payload(symbol: Symbol) -> bytes:
