@@ -95,7 +95,7 @@ def test_decoders_read_the_exact_payload(made: Made) -> None:
 
 
 def finder_corners(gray: np.ndarray, modules: int) -> list[bool]:
-    """Whether a finder stands top left, top right, bottom left, bottom right: its 49 modules, but for a bar."""
+    """Whether a finder stands top left, top right, bottom left, bottom right: 49 modules, but for a bar."""
     pitch = gray.shape[1] / (modules + 2 * QUIET)
     away = np.maximum(*np.abs(np.mgrid[-3:4, -3:4]))
     finder = away != 2  # dark core, light ring, dark ring (ISO/IEC 18004 §6.3.3)
