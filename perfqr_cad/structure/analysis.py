@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 from shapely.geometry import Polygon
 
 from perfqr_cad.errors import AnalysisError
@@ -26,8 +27,11 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
 
 MESH_SIZE_MODULES = 2 / 3  # largest element edge, in modules: see docs/strength.md, refinement
-CORNER_SIZE_NOZZLES = 1.0  # element edges at re-entrant corners
-OUTLINE_TOLERANCE_NOZZLES = 0.05  # the outline may move by this much in the model
+# How far the outline may move in the model, and element edges at re-entrant corners, both in nozzle widths.
+# The first pair that keeps the outline within the limit of points is taken: every point costs about 60 to
+# 190 unknowns, and beyond some 10⁶ of them the factor does not fit the index range of SuperLU.
+DETAIL_NOZZLES = ((0.05, 1.0), (0.25, 1.0), (0.5, 2.0))
+MOST_OUTLINE_POINTS = 8000
 DEFAULT_NOZZLE_MM = 0.4
 LINEAR_LIMIT_THICKNESSES = 0.5  # deflection above which stretching, which a linear model lacks, carries load
 BALANCE_LIMIT = 1e-6  # a solution whose reactions miss the load by more is no solution
@@ -120,10 +124,20 @@ def prepare(
     ):
         if not (math.isfinite(value) and value > 0.0):
             raise AnalysisError(f"{label} is {value} mm; it must be a positive number")
-    domain = clean(polygon, OUTLINE_TOLERANCE_NOZZLES * nozzle_mm)
-    mesh = triangulate(domain, mesh_size_mm, corner_size_mm or CORNER_SIZE_NOZZLES * nozzle_mm)
+    domain, corner_nozzles = _domain(polygon, nozzle_mm)
+    mesh = triangulate(domain, mesh_size_mm, corner_size_mm or corner_nozzles * nozzle_mm)
     held = support if isinstance(support, Support) else Support(support)  # type: ignore[arg-type]
     return build_model(mesh, domain, placement, material, held, mesh_size_mm, placement.is_flat and bends)
+
+
+def _domain(polygon: Polygon, nozzle_mm: float) -> tuple[Polygon, float]:
+    """The cleaned outline in the most detail that can be afforded, and the corner size in nozzle widths."""
+    *finer, (coarsest, coarse_corner) = DETAIL_NOZZLES
+    for tolerance, corner in finer:
+        domain = clean(polygon, tolerance * nozzle_mm)
+        if shapely.get_num_coordinates(domain) <= MOST_OUTLINE_POINTS:
+            return domain, corner
+    return clean(polygon, coarsest * nozzle_mm), coarse_corner
 
 
 def bends_only(load: Load) -> bool:

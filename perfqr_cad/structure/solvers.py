@@ -63,6 +63,11 @@ class SuperLU:
             )
         except RuntimeError as error:  # "Factor is exactly singular"
             raise AnalysisError(FREE_TO_MOVE) from error
+        except MemoryError as error:  # the fill is beyond SuperLU's 32-bit indices
+            raise AnalysisError(
+                f"{whole.shape[0]} unknowns are too many for SuperLU: install scikit-sparse==0.4.16, "
+                "or take a lower version or a plainer style"
+            ) from error
 
     def solve(self, right: Floats) -> Floats:
         """See `Factor`."""
