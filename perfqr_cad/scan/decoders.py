@@ -74,7 +74,7 @@ def _wechat() -> Reader:
 
 
 def _quirc() -> Reader:
-    import quirc
+    import quirc  # pyright: ignore[reportMissingImports]  # an optional engine
 
     def read(image: Gray) -> tuple[bytes, ...]:
         return tuple(bytes(data.payload) for _, data in quirc.decode(image))

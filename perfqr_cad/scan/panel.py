@@ -14,7 +14,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from types import TracebackType
 
 import numpy as np
@@ -72,7 +72,10 @@ class Worker:
         self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
-                with contextlib.suppress(BrokenPipeError):  # unsent bytes of a request that was cut short
+                with (
+                    _broken_pipes_are_errors(),
+                    contextlib.suppress(BrokenPipeError),
+                ):  # unsent bytes of a request that was cut short
                     pipe.close()
         self._process = None
 
@@ -84,13 +87,25 @@ def _exchange(process: subprocess.Popen[bytes], request: bytes, limit_s: float) 
     watchdog = threading.Timer(limit_s, _kill, [process])
     watchdog.start()
     try:
-        process.stdin.write(request)
-        process.stdin.flush()
+        with _broken_pipes_are_errors():
+            process.stdin.write(request)
+            process.stdin.flush()
         return process.stdout.readline()
     except BrokenPipeError:
         return b""
     finally:
         watchdog.cancel()
+
+
+@contextlib.contextmanager
+def _broken_pipes_are_errors() -> Generator[None]:
+    """The solid modeller resets SIGPIPE; its default would end us when a decoder dies mid-request."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
+    try:
+        yield
+    finally:
+        signal.sigtimedwait({signal.SIGPIPE}, 0)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
