@@ -11,6 +11,7 @@ from perfqr_cad import __version__
 if TYPE_CHECKING:
     from perfqr_cad.capture import Capture
     from perfqr_cad.design import Design
+    from perfqr_cad.structure import SolidCheck
     from perfqr_cad.surface import Triangles
 
 
@@ -153,6 +154,19 @@ def _structure(design: Design) -> dict[str, Any]:
         "remedies": list(loop.remedies),
         "solver": stress.solver,
         "warnings": list(stress.warnings),
+        "solid_check": None if design.verified is None else _solid_check(design.verified),
+    }
+
+
+def _solid_check(found: SolidCheck) -> dict[str, Any]:
+    """The shell beside the same part in three dimensions, on one mesh."""
+    return {
+        "max_deflection_mm": found.solid_deflection_mm,
+        "max_stress_mpa": found.solid_stress_mpa,
+        "shell_over_solid_deflection": found.deflection_ratio,
+        "shell_over_solid_stress": found.stress_ratio,
+        "unknowns": found.unknowns,
+        "solver": found.solver,
     }
 
 

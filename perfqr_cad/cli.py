@@ -69,12 +69,20 @@ def make(
     level: Annotated[_Level | None, _option(help="Error correction level.")] = None,
     version: Annotated[int | None, _option(help="Symbol version, 1-40.")] = None,
     pressure: Annotated[float | None, _option(help="Pressure on the part, MPa.")] = None,
+    support: Annotated[str | None, _option(help="clamped, simple, two-sides or corners.")] = None,
+    verify_solid: Annotated[
+        bool, _option("--verify-solid", help="Check the strength once more in three dimensions.")
+    ] = False,
     yield_: Annotated[float | None, _option("--yield", help="Yield stress, MPa.")] = None,
     material: Annotated[str | None, _option(help="PLA, PETG, steel, ...: see params.")] = None,
     draft: Annotated[float | None, _option(help="Flare of hole walls, degrees.")] = None,
     lip: Annotated[float | None, _option(help="Straight lip before the flare, mm.")] = None,
+    depth: Annotated[float | None, _option(help="Depth of blind pockets, mm; else through.")] = None,
     fillet: Annotated[float | None, _option(help="Radius of re-entrant corners, mm.")] = None,
     style: Annotated[str | None, _option(help="square, rounded, dots, ...: see params.")] = None,
+    finder: Annotated[str | None, _option(help="Bars of the finder rings: see params.")] = None,
+    objective: Annotated[str | None, _option(help="optimal, or the paper's: paper.")] = None,
+    quiet: Annotated[int | None, _option(help="Light margin around the code, modules.")] = None,
     tone: Annotated[str | None, _option(help="normal (light is material) or inverted.")] = None,
     scan_tilt: Annotated[float | None, _option(help="Tilt at which it must read, degrees.")] = None,
     seed: Annotated[int | None, _option(help="Seed of everything random.")] = None,
@@ -86,8 +94,10 @@ def make(
     options: dict[str, Value] = {
         "text": text, "image": None if image is None else str(image), "size": size, "thickness": thickness,
         "nozzle": nozzle, "level": None if level is None else level.value, "version": version,
-        "pressure": pressure, "yield": yield_, "material": material, "draft": draft, "lip": lip,
-        "fillet": fillet, "style": style, "tone": tone, "scan_tilt": scan_tilt, "seed": seed,
+        "pressure": pressure, "yield": yield_, "material": material, "support": support,
+        "verify_solid": verify_solid or None, "draft": draft, "lip": lip, "depth": depth, "fillet": fillet,
+        "style": style, "finder": finder, "objective": objective, "quiet": quiet, "tone": tone,
+        "scan_tilt": scan_tilt, "seed": seed,
     }  # fmt: skip
     outputs = output or []
     if not outputs and not as_json:

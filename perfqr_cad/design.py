@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from perfqr_cad import terms
 from perfqr_cad.errors import DesignError
 from perfqr_cad.progress import tell
 from perfqr_cad.request import Request
@@ -24,10 +25,10 @@ if TYPE_CHECKING:
 
     from perfqr_cad.capture import Capture
     from perfqr_cad.export import FileRecord
-    from perfqr_cad.pattern import Pattern, PatternSpec
-    from perfqr_cad.scan import Look, Plan, ScanReport
+    from perfqr_cad.pattern import Pattern
+    from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Solid, Walls
-    from perfqr_cad.structure import Reinforcement, StressField
+    from perfqr_cad.structure import Reinforcement, SolidCheck, StressField
     from perfqr_cad.surface import Placement, Triangles
     from perfqr_cad.symbol import Level, Symbol
 
@@ -84,6 +85,7 @@ class Design:
     solid: Solid
     scan: ScanReport
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
+    verified: SolidCheck | None = None
     files: tuple[FileRecord, ...] = ()
 
     @property
@@ -155,12 +157,12 @@ def run(request: Request, target: Target | None = None) -> Design:
     from perfqr_cad import scan, structure
 
     watch = _Stopwatch()
-    _walls(request)  # bad walls and materials are refused before the long steps
+    terms.walls(request)  # bad walls and materials are refused before the long steps
     material = structure.material(request.material)
     with watch("symbol"):
         capture, symbol = _source(request)
     with watch("pattern"):
-        spec = _spec(request)
+        spec = terms.spec(request)
         drawn = patterns.build(symbol, spec, None if capture is None else capture.art)
     if request.scan_tilt_deg:
         with watch("tuning"):
@@ -173,28 +175,48 @@ def run(request: Request, target: Target | None = None) -> Design:
             drawn,
             placement,
             material=material,
-            load=structure.Pressure(request.pressure_mpa),
+            load=terms.load(request),
             support=request.support,
             yield_mpa=request.yield_mpa,
             method=request.method,  # pyright: ignore[reportArgumentType]  # reinforce refuses unknown names
             nozzle_mm=request.nozzle_mm,
         )
+    verified = None
+    if request.verify_solid:
+        with watch("solid check"):
+            verified = structure.verify_solid(
+                reinforced.pattern,
+                placement,
+                material=material,
+                load=terms.load(request),
+                support=request.support,
+                nozzle_mm=request.nozzle_mm,
+            )
     with watch("solid"):
-        solid = target.solid(reinforced.pattern, placement, _walls(request))
+        solid = target.solid(reinforced.pattern, placement, terms.walls(request))
     with watch("scan"):
         report = scan.certify(
             solid.triangles,
             placement,
             reinforced.pattern,
             _payload(symbol),
-            plan=_plan(request),
-            look=_look(request),
+            plan=terms.plan(request),
+            look=terms.look(request),
             seed=request.seed,
             behind=target.behind,
         )
     _require_readable(report)
     return Design(
-        request, capture, symbol, reinforced.pattern, placement, reinforced, solid, report, watch.seconds
+        request,
+        capture,
+        symbol,
+        reinforced.pattern,
+        placement,
+        reinforced,
+        solid,
+        report,
+        watch.seconds,
+        verified,
     )
 
 
@@ -223,29 +245,6 @@ def _source(request: Request) -> tuple[Capture | None, Symbol]:
     return None, encode(request.text, version=request.version, level=level, mask=request.mask)
 
 
-def _spec(request: Request) -> PatternSpec:
-    from perfqr_cad.pattern import PatternSpec
-
-    return PatternSpec(
-        size_mm=request.size_mm,
-        quiet_modules=request.quiet_modules,
-        nozzle_mm=request.nozzle_mm,
-        style=request.style,  # pyright: ignore[reportArgumentType]  # PatternSpec refuses unknown names
-        fillet_mm=request.fillet_mm,
-        finder=request.finder,  # pyright: ignore[reportArgumentType]
-        objective=request.objective,  # pyright: ignore[reportArgumentType]
-        contour=request.contour,  # pyright: ignore[reportArgumentType]
-        tone=request.tone,  # pyright: ignore[reportArgumentType]
-        seed=request.seed,
-    )
-
-
-def _walls(request: Request) -> Walls:
-    from perfqr_cad.solid import Walls
-
-    return Walls(draft_deg=request.draft_deg, lip_mm=request.lip_mm, depth_mm=request.depth_mm)
-
-
 def _plate(request: Request) -> Target:
     from perfqr_cad.surface import Plane
 
@@ -259,25 +258,9 @@ def _tuned(request: Request, target: Target | None, drawn: Pattern) -> Request:
     def carve(wish: Request) -> tuple[Triangles, Placement]:
         chosen = target or _plate(wish)
         placement = chosen.placement(drawn.size_mm)
-        return chosen.solid(drawn, placement, _walls(wish)).triangles, placement
+        return chosen.solid(drawn, placement, terms.walls(wish)).triangles, placement
 
     return for_reader(request, drawn, _payload(drawn.symbol), carve, plate=target is None)
-
-
-def _plan(request: Request) -> Plan:
-    """The quick views, and the tilt that was asked for."""
-    from perfqr_cad.scan import QUICK
-
-    if request.scan_tilt_deg is None:
-        return QUICK
-    return replace(QUICK, tilts_deg=tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg})))
-
-
-def _look(request: Request) -> Look:
-    """Light material before a dark ground; for the inverted tone, dark material before a light one."""
-    from perfqr_cad.scan import BLACK, WHITE, Look
-
-    return Look(material=BLACK, ground=WHITE) if request.tone == "inverted" else Look()
 
 
 def _payload(symbol: Symbol) -> bytes:

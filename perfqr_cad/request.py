@@ -17,6 +17,8 @@ class Request:
     size_mm          edge of the whole code with its quiet zone; None: the smallest the nozzle can make
     yield_mpa        None: the material's own
     fillet_mm        radius of re-entrant corners; None: half the nozzle
+    depth_mm         depth of blind pockets instead of through-holes; None: through
+    verify_solid     whether the strength is checked once more in three dimensions
     scan_tilt_deg    tilt at which the part must still read; None: nothing is asked beyond the frontal view
 
     Raises `DesignError` for values that cannot be meant; each layer checks its own more closely.
@@ -46,6 +48,7 @@ class Request:
     support: str = "clamped"
     yield_mpa: float | None = None
     method: str = "optimal"
+    verify_solid: bool = False
     scan_tilt_deg: float | None = None
     seed: int = 0
 

@@ -35,6 +35,8 @@ thickness = 1.6  # [0.1:0.1:50]
 draft = 0  # [0:1:60]
 # straight lip in front of flared walls, mm
 lip = 0  # [0:0.1:50]
+# depth of blind pockets instead of through-holes, mm; 0 goes through
+depth = 0  # [0:0.1:50]
 # width of one printed line or of the kerf, mm
 nozzle = 0.4  # [0.05:0.05:2]
 
@@ -44,9 +46,11 @@ material = "PLA"  # [PLA, PETG, ABS, PA12, resin, aluminium, steel, stainless]
 # uniform pressure on the part, MPa
 pressure = 5e-6
 # how the plate is held
-support = "clamped"  # [clamped, simple, two-sides, four-corners]
+support = "clamped"  # [clamped, simple, two-sides, corners]
 # yield stress, MPa; 0 takes the material's
 yield_ = 0
+# check the strength once more in three dimensions
+verify_solid = False
 
 # [Proof]
 # tilt at which the part must still read, degrees; 0 asks for nothing
@@ -71,11 +75,13 @@ def build(p):
         thickness_mm=p.thickness,
         draft_deg=p.draft,
         lip_mm=p.lip,
+        depth_mm=p.depth or None,
         nozzle_mm=p.nozzle,
         material=p.material,
         pressure_mpa=p.pressure,
         support=p.support,
         yield_mpa=p.yield_ or None,
+        verify_solid=p.verify_solid,
         scan_tilt_deg=p.scan_tilt or None,
         seed=p.seed,
     )

@@ -1,0 +1,62 @@
+"""A request in each layer's own terms."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from perfqr_cad.request import Request
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import PatternSpec
+    from perfqr_cad.scan import Look, Plan
+    from perfqr_cad.solid import Walls
+    from perfqr_cad.structure.loads import Load
+
+
+def spec(request: Request) -> PatternSpec:
+    """What the pattern is asked to be."""
+    from perfqr_cad.pattern import PatternSpec
+
+    return PatternSpec(
+        size_mm=request.size_mm,
+        quiet_modules=request.quiet_modules,
+        nozzle_mm=request.nozzle_mm,
+        style=request.style,  # pyright: ignore[reportArgumentType]  # PatternSpec refuses unknown names
+        fillet_mm=request.fillet_mm,
+        finder=request.finder,  # pyright: ignore[reportArgumentType]
+        objective=request.objective,  # pyright: ignore[reportArgumentType]
+        contour=request.contour,  # pyright: ignore[reportArgumentType]
+        tone=request.tone,  # pyright: ignore[reportArgumentType]
+        seed=request.seed,
+    )
+
+
+def walls(request: Request) -> Walls:
+    """How the walls of the holes run."""
+    from perfqr_cad.solid import Walls
+
+    return Walls(draft_deg=request.draft_deg, lip_mm=request.lip_mm, depth_mm=request.depth_mm)
+
+
+def load(request: Request) -> Load:
+    """What pushes on the part."""
+    from perfqr_cad.structure import Pressure
+
+    return Pressure(request.pressure_mpa)
+
+
+def plan(request: Request) -> Plan:
+    """The quick views, and the tilt that was asked for."""
+    from perfqr_cad.scan import QUICK
+
+    if request.scan_tilt_deg is None:
+        return QUICK
+    return replace(QUICK, tilts_deg=tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg})))
+
+
+def look(request: Request) -> Look:
+    """Light material before a dark ground; for the inverted tone, dark material before a light one."""
+    from perfqr_cad.scan import BLACK, WHITE, Look
+
+    return Look(material=BLACK, ground=WHITE) if request.tone == "inverted" else Look()
