@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,8 +15,9 @@ Stage = Literal["function", "connectivity", "structural"]
 class Bridge:
     """A straight bar of material from `start` to `end` (centre line, mm) that joins two boundaries.
 
-    recess_mm is how far the bar's reading side lies behind the face: 0 is flush. A recessed bar fills only
-    the back part of the thickness, so that a reader sees it in the shade of the slot.
+    height_mm is None for a bar through the whole thickness. A recessed bar fills only the last height_mm
+    before the back, so that a reader sees it in the shade of its slot; `start` and `end` then lie on straight
+    edges of `Pattern.front`, square to the bar.
     """
 
     start: Point
@@ -23,4 +25,15 @@ class Bridge:
     width_mm: float
     stage: Stage
     cost: float
-    recess_mm: float = 0.0
+    height_mm: float | None = None
+
+    @property
+    def is_recessed(self) -> bool:
+        return self.height_mm is not None
+
+    def corners(self) -> tuple[Point, Point, Point, Point]:
+        """Right of the start, right and left of the end, left of the start, mm: counter-clockwise."""
+        (x0, y0), (x1, y1) = self.start, self.end
+        reach = self.width_mm / 2 / math.dist(self.start, self.end)
+        dx, dy = (y1 - y0) * reach, (x0 - x1) * reach  # half the width to the right
+        return (x0 + dx, y0 + dy), (x1 + dx, y1 + dy), (x1 - dx, y1 - dy), (x0 - dx, y0 - dy)

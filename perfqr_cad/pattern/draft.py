@@ -27,6 +27,10 @@ class Rect(NamedTuple):
     x1: int
     y1: int
 
+    def of(self, cells: Cells) -> Cells:
+        """View of these cells."""
+        return cells[self.y0 : self.y1, self.x0 : self.x1]
+
 
 class Bar(NamedTuple):
     """An upright bridge to be: its cells, whether it runs along x, and what it was held to cost."""
@@ -71,15 +75,33 @@ class Draft:
         lattice = self.lattice.with_solid(change(self.solid, cells))
         return replace(self, lattice=lattice, upright=change(self.upright, cells))
 
-    def with_bars(self, bars: Iterable[Bar], stage: Stage, recess_mm: float = 0.0) -> Draft:
+    @property
+    def recessed(self) -> tuple[Bridge, ...]:
+        """The bridges that fill only the back of the part."""
+        return tuple(bridge for bridge in self.bridges if bridge.is_recessed)
+
+    def rect(self, bridge: Bridge) -> Rect:
+        """The cells of an upright bridge."""
+        corners = np.array([self.lattice.from_mm(corner) for corner in bridge.corners()])
+        x0, y0 = np.rint(corners.min(axis=0)).astype(int).tolist()
+        x1, y1 = np.rint(corners.max(axis=0)).astype(int).tolist()
+        return Rect(x0, y0, x1, y1)
+
+    def with_solid(self, rects: Iterable[Rect]) -> Draft:
+        """The draft with the given cells made solid."""
+        solid, upright = self.solid.copy(), self.upright.copy()
+        for rect in rects:
+            rect.of(solid)[:] = rect.of(upright)[:] = True
+        return replace(self, lattice=self.lattice.with_solid(solid), upright=upright)
+
+    def with_bars(self, bars: Iterable[Bar], stage: Stage, height_mm: float | None = None) -> Draft:
         """Upright bars painted solid. Bars over solid ground leave no trace."""
         solid, upright, laid = self.solid.copy(), self.upright.copy(), []
         for bar in bars:
             if (shown := _void_part(solid, bar)) is None:
                 continue
-            at = np.s_[bar.rect.y0 : bar.rect.y1, bar.rect.x0 : bar.rect.x1]
-            solid[at] = upright[at] = True
-            laid.append(replace(self._bridge(shown, bar, stage), recess_mm=recess_mm))
+            bar.rect.of(solid)[:] = bar.rect.of(upright)[:] = True
+            laid.append(replace(self._bridge(shown, bar, stage), height_mm=height_mm))
         return replace(
             self, lattice=self.lattice.with_solid(solid), upright=upright, bridges=(*self.bridges, *laid)
         )

@@ -7,14 +7,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.connect import join
-from perfqr_cad.pattern.draft import Bar, Draft, Rect, link_corners
-from perfqr_cad.pattern.finder import bars, core_bars
+from perfqr_cad.pattern.draft import Draft, link_corners
 from perfqr_cad.pattern.finish import Job, finish, mended, numbered_pieces
 from perfqr_cad.pattern.lattice import Cells, draw, label
 from perfqr_cad.pattern.paper import join_paper
 from perfqr_cad.pattern.pattern import Pattern
+from perfqr_cad.pattern.rings import tie_rings
 from perfqr_cad.pattern.sampling import brightness
 from perfqr_cad.pattern.size import least_dot_mm, module_size, rounded_up
 from perfqr_cad.pattern.spec import PatternSpec
@@ -141,30 +140,3 @@ def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float)
     if art is not None and art.kind == "freeform" and spec.contour == "smooth":
         smooth_mm = module_mm / art.scale
     return Draft(lattice, lattice.solid, lattice.solid, smooth_mm=smooth_mm)
-
-
-def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
-    """The rings of finder and alignment patterns tied to their surroundings by the chosen strategy."""
-    lattice = draft.lattice
-    half = lattice.whole(spec.web_mm / 2)
-    u, edge = lattice.per_module, lattice.quiet * lattice.per_module
-    upright: list[Bar] = []
-
-    def solid(row: int, column: int) -> bool:
-        """Whether the middle of a module is material."""
-        x, y = (edge + (k * u) + u // 2 for k in (column, row))
-        return 0 <= x < lattice.cells and 0 <= y < lattice.cells and bool(lattice.solid[y, x])
-
-    inverted = spec.tone == "inverted"
-    width = 2 * half / u
-    chosen = core_bars(symbol.version, width) if inverted else bars(symbol.version, spec.finder, width, solid)
-    for bar in chosen:
-        (x0, y0), (x1, y1) = ((round(edge + x * u), round(edge + y * u)) for x, y in (bar.start, bar.end))
-        if x0 != x1 and y0 != y1:
-            ends = lattice.to_mm(x0, y0), lattice.to_mm(x1, y1)
-            draft = draft.with_slanted(Bridge(*ends, spec.web_mm, "function", 0.0))
-        elif x0 == x1:
-            upright.append(Bar(Rect(x0 - half, y0, x0 + half, y1), along_x=False))
-        else:
-            upright.append(Bar(Rect(x0, y0 - half, x1, y0 + half), along_x=True))
-    return draft.with_bars(upright, "function", spec.recess_mm if spec.finder == "recessed" else 0.0)

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
+from perfqr_cad.pattern.bridge import Bridge
+from perfqr_cad.pattern.front import edge_under
 from perfqr_cad.pattern.lattice import after, before
 from perfqr_cad.pattern.outline import LEAST_MM, Arc, Bezier, Line, Loop, Point, Points, Region, Segment
 
 LEAST_EDGE_MM = 0.1  # a quarter of a nozzle: what no slicer resolves and every mesher stumbles over
 STRAIGHT_TURN_RAD = 1e-6  # a turn below this is rounding
 SMOOTH_TURN_RAD = math.radians(60)  # a sharper turn is a corner that the art meant
+Flags: TypeAlias = NDArray[np.bool_]
 SIMPLIFY_PART = 0.7  # of the tolerance goes into straightening stairs, the rest into rounding
 
 
@@ -76,23 +82,47 @@ def _segments(corners: Points, along: Points, cut: np.ndarray, tangent: np.ndarr
     return _closed(segments)
 
 
-def smoothed(region: Region, tolerance_mm: float) -> Region:
+def smoothed(region: Region, tolerance_mm: float, bars: Sequence[Bridge] = ()) -> Region:
     """Stairs of pixels drawn as smooth edges that stay within the tolerance of them.
 
     Stairs are straightened first (Douglas and Peucker), then gentle corners become Bézier arcs that leave and
-    meet the edges along their direction. Corners sharper than 60° stay.
+    meet the edges along their direction. Corners sharper than 60° and the edges on which bars end stay.
     """
+    tips = [tip for bar in bars for tip in (bar.start, bar.end)]
+
+    def smooth(loop: Loop) -> Loop:
+        corners, kept = _straightened(loop.flatten(), tips, SIMPLIFY_PART * tolerance_mm)
+        return _bent(corners, kept, tolerance_mm)
+
+    return Region(smooth(region.outer), tuple(smooth(hole) for hole in region.holes))
+
+
+def _straightened(corners: Points, tips: Sequence[Point], tolerance_mm: float) -> tuple[Points, Flags]:
+    """Corners of a loop with its stairs straightened, and which of them end an edge that a tip lies on."""
     import shapely
 
-    def smooth(loop: Loop, ccw: bool) -> Loop:
-        ring = shapely.simplify(shapely.Polygon(loop.flatten()), SIMPLIFY_PART * tolerance_mm)
-        return _bent(Loop.from_points(shapely.get_coordinates(ring)[:-1]).oriented(ccw), tolerance_mm)
+    low, high = corners.min(axis=0) - LEAST_MM, corners.max(axis=0) + LEAST_MM
+    near = [tip for tip in tips if (low <= tip).all() and (tip <= high).all()]
+    under = sorted({k for tip in near if (k := edge_under(tip, corners, after(corners))) is not None})
+    if not under:
+        ring = shapely.simplify(shapely.Polygon(corners), tolerance_mm)
+        found = shapely.get_coordinates(ring)[:-1]
+        return found, np.zeros(len(found), np.bool_)
+    turned = np.roll(corners, -(under[0] + 1), axis=0)
+    ends = [k - under[0] for k in (*under[1:], under[0] + len(corners))]  # of the chains between those edges
+    chains: list[Points] = []
+    first = 0
+    for end in ends:
+        chain = turned[first:end]
+        if len(chain) > 1:
+            chain = shapely.get_coordinates(shapely.simplify(shapely.LineString(chain), tolerance_mm))
+        chains.append(chain)
+        first = end
+    kept = [np.isin(np.arange(len(chain)), (0, len(chain) - 1)) for chain in chains]
+    return np.concatenate(chains), np.concatenate(kept)
 
-    return Region(smooth(region.outer, True), tuple(smooth(hole, False) for hole in region.holes))
 
-
-def _bent(loop: Loop, tolerance_mm: float) -> Loop:
-    corners = np.array([segment.start for segment in loop.segments])
+def _bent(corners: Points, kept: Flags, tolerance_mm: float) -> Loop:
     edges = after(corners) - corners
     lengths = np.hypot(edges[:, 0], edges[:, 1])
     along = edges / lengths[:, None]
@@ -104,7 +134,7 @@ def _bent(loop: Loop, tolerance_mm: float) -> Loop:
     bow = np.maximum(np.sin(turn / 2), 1e-9)
     room = np.minimum(lengths, before(lengths)) / 2
     cut = np.minimum(2 * (1 - SIMPLIFY_PART) * tolerance_mm / bow, room)
-    cut[(turn > SMOOTH_TURN_RAD) | (turn < STRAIGHT_TURN_RAD)] = 0.0
+    cut[kept | (turn > SMOOTH_TURN_RAD) | (turn < STRAIGHT_TURN_RAD)] = 0.0
     cut = _without_remnants(cut, lengths)
     cut[cut < LEAST_EDGE_MM / 10] = 0.0
     segments: list[Segment] = []

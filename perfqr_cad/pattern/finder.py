@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
+from typing import Literal
 
 from perfqr_cad.pattern.spec import FinderStrategy
 from perfqr_cad.symbol.tables import alignment_centres
 
 Solid = Callable[[int, int], bool]
+Side = Literal["top", "left", "right", "bottom"]
 
 # Why the bar lies where it does: in views of three versions at 4 and 8 pixels a module, tilted by 0, 20 and
 # 40°, its place along the top or left side changes nothing for zbar and WeChat, for zxing-cpp no more than
@@ -18,6 +20,17 @@ Solid = Callable[[int, int], bool]
 # which leaves no notch; and no wider than the web: a wide bar costs zxing-cpp more than a narrow one.
 FLUSH = 1.0  # modules from the pattern's corner to the near edge of the bar
 CORE_FLUSH = 2.0  # the same for a bar from the core
+PINCH_REACH = 0.5  # modules by which the pinch of a slot outreaches its recessed bar on each side
+PLACES: tuple[tuple[Side, bool], ...] = (  # side, and whether by its far end; the top and left before others
+    ("top", False),
+    ("left", False),
+    ("top", True),
+    ("left", True),
+    ("right", False),
+    ("bottom", False),
+    ("right", True),
+    ("bottom", True),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,13 +41,21 @@ class Ring:
     column: int
     size: int
 
+    def inset(self, modules: int) -> Ring:
+        """The pattern without its outermost modules."""
+        return Ring(self.row + modules, self.column + modules, self.size - 2 * modules)
+
 
 @dataclass(frozen=True, slots=True)
 class RingBar:
-    """A bar's centre line in modules of the symbol (x right, y down from its top left), tips included."""
+    """A bar's centre line in modules of the symbol (x right, y down from its top left), from outside in.
+
+    pinch  x or y, from and to, between which the slot of a recessed bar is narrowed; None: the bar is flush
+    """
 
     start: tuple[float, float]
     end: tuple[float, float]
+    pinch: tuple[float, float] | None = None
 
 
 def rings(version: int) -> list[Ring]:
@@ -46,42 +67,61 @@ def rings(version: int) -> list[Ring]:
     return finders + [Ring(r - 2, c - 2, 5) for r in centres for c in centres if (r, c) not in taken]
 
 
-def bars(version: int, strategy: FinderStrategy, width: float, solid: Solid) -> list[RingBar]:
-    """Bars `width` modules wide across the dark ring of every finder and alignment pattern.
+def ring_bars(ring: Ring, strategy: FinderStrategy, width: float, solid: Solid) -> list[RingBar]:
+    """Bars `width` modules wide across the dark ring of a finder or alignment pattern.
 
     solid tells of a module (row, column), which may lie in the quiet zone, whether it is material. An
     alignment pattern without material near any corner gets no bar: a route of its own does less harm.
     """
-    return [bar for ring in rings(version) for bar in _BARS[strategy](ring, width, solid)]
+    return _BARS[strategy](ring, width, solid)
 
 
-def core_bars(version: int, width: float) -> list[RingBar]:
-    """For dark material: a bar from the top of each pattern's core, beside its middle, to the dark ring."""
-    return [
-        RingBar((x, float(ring.row + 1)), (x, float(ring.row + 2)))
-        for ring in rings(version)
-        for x in (ring.column + CORE_FLUSH + width / 2,)
-    ]
+def core_bar(ring: Ring, strategy: FinderStrategy, width: float) -> RingBar:
+    """For dark material: a bar from the top of the pattern's core, beside its middle, to the dark ring."""
+    light = ring.inset(1)
+    if strategy == "recessed":
+        return _slot(light, "top", 1.0, min(1.0 + width + 2 * PINCH_REACH, light.size - 1.0))
+    return _bar(light, "top", CORE_FLUSH - 1 + width / 2)
+
+
+def _bar(ring: Ring, side: Side, along: float, pinch: tuple[float, float] | None = None) -> RingBar:
+    """A bar across one side, `along` it from its upper or left end."""
+    top, left = float(ring.row), float(ring.column)
+    outer, inner = (0.0, 1.0) if side in ("top", "left") else (float(ring.size), ring.size - 1.0)
+    if side in ("top", "bottom"):
+        return RingBar((left + along, top + outer), (left + along, top + inner), pinch)
+    return RingBar((left + outer, top + along), (left + inner, top + along), pinch)
+
+
+def _slot(ring: Ring, side: Side, low: float, high: float) -> RingBar:
+    """A recessed bar in the middle of a pinch from `low` to `high` along one side."""
+    origin = ring.column if side in ("top", "bottom") else ring.row
+    return _bar(ring, side, (low + high) / 2, (origin + low, origin + high))
+
+
+def _outside(ring: Ring, side: Side, k: int) -> tuple[int, int]:
+    """Row and column of the k-th module beside a ring."""
+    beyond = -1 if side in ("top", "left") else ring.size
+    row, column = (beyond, k) if side in ("top", "bottom") else (k, beyond)
+    return ring.row + row, ring.column + column
 
 
 def _side_bar(ring: Ring, width: float, solid: Solid) -> list[RingBar]:
     """One bar near a corner: the first, clockwise from the left end of the top, that leads to material."""
     low = FLUSH + width / 2
-    high = ring.size - low
-    top, left, size = float(ring.row), float(ring.column), ring.size
-    choices = [
-        (RingBar((left + low, top), (left + low, top + 1)), (-1, low)),
-        (RingBar((left, top + low), (left + 1, top + low)), (low, -1)),
-        (RingBar((left + high, top), (left + high, top + 1)), (-1, high)),
-        (RingBar((left, top + high), (left + 1, top + high)), (high, -1)),
-        (RingBar((left + size - 1, top + low), (left + size, top + low)), (low, size)),
-        (RingBar((left + low, top + size - 1), (left + low, top + size)), (size, low)),
-        (RingBar((left + size - 1, top + high), (left + size, top + high)), (high, size)),
-        (RingBar((left + high, top + size - 1), (left + high, top + size)), (size, high)),
-    ]
-    for bar, (row, column) in choices:
-        if solid(ring.row + math.floor(row), ring.column + math.floor(column)):
-            return [bar]
+    for side, far in PLACES:
+        if solid(*_outside(ring, side, ring.size - 2 if far else 1)):
+            return [_bar(ring, side, ring.size - low if far else low)]
+    return []
+
+
+def _recessed_bar(ring: Ring, width: float, solid: Solid) -> list[RingBar]:
+    """One bar near a corner in a pinch as long as it should be or, where that finds no material, a module."""
+    for reach, (side, far) in product((2, 1), PLACES):
+        modules = [ring.size - 2 - k if far else 1 + k for k in range(reach)]
+        if all(solid(*_outside(ring, side, k)) for k in modules):
+            low, high = FLUSH, FLUSH + (1.0 if reach == 1 else width + 2 * PINCH_REACH)
+            return [_slot(ring, side, *((ring.size - high, ring.size - low) if far else (low, high)))]
     return []
 
 
@@ -99,6 +139,6 @@ def _diagonal_bars(ring: Ring, width: float, solid: Solid) -> list[RingBar]:
 
 _BARS: dict[FinderStrategy, Callable[[Ring, float, Solid], list[RingBar]]] = {
     "panel": _side_bar,
-    "recessed": _side_bar,
+    "recessed": _recessed_bar,
     "diagonal": _diagonal_bars,
 }

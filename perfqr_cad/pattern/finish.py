@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,9 +12,11 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.draft import Draft, strip
 from perfqr_cad.pattern.dress import filleted, smoothed
-from perfqr_cad.pattern.lattice import Labels, sharpened, trace
+from perfqr_cad.pattern.front import joined, regions
+from perfqr_cad.pattern.lattice import Cells, Labels, Lattice, sharpened, trace
 from perfqr_cad.pattern.outline import Loop, Points, Region
 from perfqr_cad.pattern.pattern import Optimality, Pattern
+from perfqr_cad.pattern.rings import front_cells, settled
 from perfqr_cad.pattern.sampling import brightness
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.pattern.style import ROUNDED_RADIUS
@@ -44,34 +47,35 @@ def finish(draft: Draft, job: Job | Pattern, sound: bool = False) -> Pattern:
 
     sound  the web has been checked already
     """
-    region = outline(draft)
-    pieces = [region.outer] if sound else web_pieces(region.polygon(), job.spec.web_mm)
-    if len(pieces) != 1:
+    draft = settled(draft)
+    if not sound and len(pieces := web_pieces(ground(draft), job.spec.web_mm)) != 1:
         raise DesignError(
             f"webs under {job.spec.web_mm:g} mm hold the pattern: without them {len(pieces)} pieces are left,"
             " 1 is needed; use a larger --size or a finer nozzle"
         )
-    return _pattern(draft, dressed(region, draft, job.spec), job)
+    front = dressed(front_regions(draft), draft, job.spec)
+    return _pattern(draft, front, job)
 
 
-def dressed(region: Region, draft: Draft, spec: PatternSpec) -> Region:
+def dressed(front: Sequence[Region], draft: Draft, spec: PatternSpec) -> tuple[Region, ...]:
     """The outline with smooth contours, rounded corners and the holes of its style."""
-    region = _smooth(region, draft.smooth_mm, spec.web_mm)
+    front = _smooth(front, draft, spec.web_mm)
     radius_mm = spec.fillet_radius_mm
     if spec.style == "rounded":
         radius_mm = max(radius_mm, ROUNDED_RADIUS * draft.lattice.module_mm)
-    return filleted(region, radius_mm)
+    return tuple(filleted(region, radius_mm) for region in front)
 
 
-def _smooth(region: Region, tolerance_mm: float, web_mm: float) -> Region:
+def _smooth(front: Sequence[Region], draft: Draft, web_mm: float) -> Sequence[Region]:
     """Smooth within the tolerance, or within less where that would cost a web."""
+    tolerance_mm = draft.smooth_mm
     while tolerance_mm > LEAST_SMOOTHING_MM:
-        smooth = smoothed(region, tolerance_mm)
-        polygon = smooth.polygon()
+        smooth = [smoothed(region, tolerance_mm, draft.recessed) for region in front]
+        polygon = joined(smooth, draft.recessed).polygon()
         if polygon.is_valid and len(web_pieces(polygon, web_mm)) == 1:
             return smooth
         tolerance_mm /= 2
-    return region
+    return front
 
 
 def mended(draft: Draft, spec: PatternSpec) -> tuple[Draft, bool]:
@@ -122,7 +126,7 @@ def web_pieces(polygon: Polygon, web_mm: float) -> list[Polygon]:
     return [piece for piece in shapely.get_parts(eroded) if not piece.is_empty]
 
 
-def _pattern(draft: Draft, region: Region, job: Job | Pattern) -> Pattern:
+def _pattern(draft: Draft, front: tuple[Region, ...], job: Job | Pattern) -> Pattern:
     lattice, spec = draft.lattice, job.spec
     observed = Matrix((brightness(lattice) >= 0.5) == (spec.tone == "inverted"))
     changed = int(np.count_nonzero(lattice.solid ^ draft.asked)) * lattice.cell_mm**2
@@ -131,7 +135,8 @@ def _pattern(draft: Draft, region: Region, job: Job | Pattern) -> Pattern:
         spec=spec,
         module_mm=lattice.module_mm,
         quiet_modules=lattice.quiet,
-        region=region,
+        region=joined(front, draft.recessed),
+        front=front,
         bridges=draft.bridges,
         islands_before=job.islands_before,
         observed=observed,
@@ -145,29 +150,27 @@ def _pattern(draft: Draft, region: Region, job: Job | Pattern) -> Pattern:
     )
 
 
-def outline(draft: Draft) -> Region:
-    """The boundary of the material in mm, the slanted bridges exact. DesignError when it is not one piece."""
+def front_regions(draft: Draft) -> tuple[Region, ...]:
+    """The material at the front face in mm, without recessed bars, the slanted bridges exact."""
+    import shapely
+
+    cells = front_cells(draft)
     if draft.slanted:
-        shape = ground(draft)
-        pieces = getattr(shape, "geoms", (shape,))
-        if len(pieces) != 1:
-            raise _in_pieces(len(pieces))
-        return Region.from_polygon(pieces[0])
-    loops = _drawn_loops(draft)
-    areas = [_signed_area(points) for points in loops]
-    outers = [points for points, area in zip(loops, areas, strict=True) if area > 0]
-    holes = [points for points, area in zip(loops, areas, strict=True) if area < 0]
-    if len(outers) != 1:
-        raise _in_pieces(len(outers))
-    return Region(Loop.from_points(outers[0]), (*(Loop.from_points(hole) for hole in holes), *draft.shapes))
+        found = [Region.from_polygon(piece) for piece in shapely.get_parts(ground(draft, cells))]
+        return tuple(sorted(found, key=lambda region: -region.area))
+    loops = [Loop.from_points(points) for points in _drawn_loops(cells, draft.lattice)]
+    outers = [loop for loop in loops if loop.area > 0]
+    holes = [loop for loop in loops if loop.area < 0]
+    return regions(outers, [*holes, *draft.shapes])
 
 
-def ground(draft: Draft) -> Any:
-    """The material as a shapely polygon or several."""
+def ground(draft: Draft, cells: Cells | None = None) -> Any:
+    """The material as a shapely polygon or several; `cells` stand in for the draft's upright ones."""
     import shapely
     from shapely.geometry import LinearRing, MultiLineString, Polygon
 
-    loops = _drawn_loops(draft)
+    upright = draft.upright if cells is None else cells
+    loops = _drawn_loops(upright, draft.lattice)
     outers = [k for k, points in enumerate(loops) if _signed_area(points) > 0]
     if len(outers) == 1:
         outer = loops.pop(outers[0])
@@ -176,7 +179,7 @@ def ground(draft: Draft) -> Any:
         try:
             shape = shapely.build_area(MultiLineString([LinearRing(points) for points in loops]))
         except shapely.errors.GEOSException:  # sharpened corners of two pieces cross: keep their stairs
-            loops = _drawn_loops(draft, sharp=False)
+            loops = _drawn_loops(upright, draft.lattice, sharp=False)
             shape = shapely.build_area(MultiLineString([LinearRing(points) for points in loops]))
     if draft.shapes:
         shape = shapely.difference(shape, shapely.union_all([Polygon(s.flatten()) for s in draft.shapes]))
@@ -185,14 +188,13 @@ def ground(draft: Draft) -> Any:
     return shape
 
 
-def _drawn_loops(draft: Draft, sharp: bool = True) -> list[Points]:
+def _drawn_loops(cells: Cells, lattice: Lattice, sharp: bool = True) -> list[Points]:
     """Boundary loops in mm, their stairs sharpened, but for those few that would cut themselves by it."""
     import shapely
 
-    plain = trace(draft.upright)
+    plain = trace(cells)
     lines = [sharpened(loop) if sharp else loop.astype(np.float64) for loop in plain]
     sound = shapely.is_valid([shapely.Polygon(loop) for loop in lines])
-    lattice = draft.lattice
     half, scale = lattice.cells / 2, np.array([lattice.cell_mm, -lattice.cell_mm])
     drawn = [s if ok else p.astype(np.float64) for s, p, ok in zip(lines, plain, sound, strict=True)]
     outers = [k for k, points in enumerate(drawn) if _signed_area(points) < 0]  # y runs down here
@@ -201,12 +203,6 @@ def _drawn_loops(draft: Draft, sharp: bool = True) -> list[Points]:
         if not shapely.Polygon(drawn[outers[0]], holes).is_valid:
             drawn = [points.astype(np.float64) for points in plain]
     return [(points - half) * scale for points in drawn]
-
-
-def _in_pieces(count: int) -> DesignError:
-    return DesignError(
-        f"{count} pieces are left after bridging, 1 is needed: use a larger --size or a finer nozzle"
-    )
 
 
 def _signed_area(points: Points) -> float:

@@ -33,7 +33,9 @@ class Optimality(NamedTuple):
 class Pattern:
     """The 2-D design: material as one region in mm, origin at the centre of the code, y up.
 
-    region            outline of the material with curves kept as curves
+    region            outline of the material with curves kept as curves, recessed bars included
+    front             the same at the front face: without recessed bars, so the rings they hold are regions
+                      of their own; the greatest comes first
     bridges           in the order in which they were laid
     islands_before    pieces of material before any bridge (sharing a corner is not joined)
     observed          the matrix as sampled on the finished region
@@ -50,6 +52,7 @@ class Pattern:
     module_mm: float
     quiet_modules: int
     region: Region
+    front: tuple[Region, ...]
     bridges: tuple[Bridge, ...]
     islands_before: int
     observed: Matrix
@@ -65,6 +68,11 @@ class Pattern:
     def size_mm(self) -> float:
         """Edge of the whole code with its quiet zone, mm."""
         return self.module_mm * (self.symbol.size + 2 * self.quiet_modules)
+
+    @property
+    def recessed(self) -> tuple[Bridge, ...]:
+        """The bridges that fill only the back of the part; `region` is `front` and these."""
+        return tuple(bridge for bridge in self.bridges if bridge.is_recessed)
 
     @cached_property
     def polygon(self) -> Polygon:

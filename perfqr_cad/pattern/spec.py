@@ -29,8 +29,8 @@ class PatternSpec:
     min_gap_mm     least width of a hole; None: one nozzle
     fillet_mm      radius in re-entrant corners of the material; None: half the nozzle, 0: sharp
     finder         bars across the dark rings: `panel` one by the corner, `diagonal` the paper's four at 45°,
-                   `recessed` one by the corner that lies recess_mm behind the face (Bridge.recess_mm; the
-                   region counts it as material, the solid decides how deep it can be)
+                   `recessed` one by the corner at the back of a slot that is pinched there
+    bar_height_mm  height of a recessed bar above the back of the part
     objective      `optimal`, or the baselines `paper` (Eq. (4)) and `mst` (Eq. (4) with λ = 0)
     loss_weight    λ of Eq. (4)
     tone           `normal`: light modules are material; `inverted`: dark modules are
@@ -45,7 +45,7 @@ class PatternSpec:
     style: Style = "square"
     fillet_mm: float | None = None
     finder: FinderStrategy = "panel"
-    recess_mm: float = 1.2
+    bar_height_mm: float = 0.6
     objective: Objective = "optimal"
     loss_weight: float = 1.0
     tone: Tone = "normal"
@@ -56,6 +56,7 @@ class PatternSpec:
     def __post_init__(self) -> None:
         _positive("nozzle_mm", self.nozzle_mm)
         _positive("time_limit_s", self.time_limit_s)
+        _positive("bar_height_mm", self.bar_height_mm)
         for name in ("min_web_mm", "min_gap_mm", "size_mm"):
             if (value := getattr(self, name)) is not None:
                 _positive(name, value)
@@ -64,7 +65,7 @@ class PatternSpec:
             raise DesignError(f"size {size:g} mm is over {GREATEST_SIZE_MM:g} mm: use a smaller --size")
         if not 0 <= self.quiet_modules <= 100:
             raise DesignError(f"quiet zone of {self.quiet_modules} modules is outside 0 to 100: use 4")
-        for name in ("fillet_mm", "loss_weight", "recess_mm"):
+        for name in ("fillet_mm", "loss_weight"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value >= 0):
                 raise DesignError(f"{name} = {value} must be a number of 0 or more")
