@@ -5,10 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from scipy.interpolate import NdBSpline
 
 Array = NDArray[np.float64]
 
@@ -41,14 +46,16 @@ class TensorSpline:
     v_knots: Array
     poles: Array
 
+    @cached_property
+    def _compiled(self) -> NdBSpline:
+        from scipy.interpolate import NdBSpline
+
+        return NdBSpline((self.u_knots, self.v_knots), self.poles, DEGREE)
+
     def __call__(self, uv: Array, derivative: tuple[int, int] = (0, 0)) -> Array:
         """Values or partial derivatives (k, d) at (k, 2) parameters; the end pieces extend beyond the
         domain."""
-        iu, wu = _basis(self.u_knots, uv[:, 0], derivative[0])
-        iv, wv = _basis(self.v_knots, uv[:, 1], derivative[1])
-        span = np.arange(DEGREE + 1)
-        poles = self.poles[(iu[:, None] + span)[:, :, None], (iv[:, None] + span)[:, None, :]]
-        return np.einsum("ki,kj,kijd->kd", wu, wv, poles)
+        return np.asarray(self._compiled(uv, nu=derivative), np.float64)
 
 
 def interpolated(x: Array, values: Array) -> Spline:

@@ -154,7 +154,7 @@ class FaceChart:
             return images, points
         inward = -frames[:, 2]
         if not isinstance(self.laid, Projected):
-            inward = -np.array([self.front.normal(u, v) for u, v in images.tolist()])
+            inward = -self.front.normals(images)
         return images, points + depth_mm * inward
 
 
@@ -168,5 +168,5 @@ def _square(skin: Skin, laid: Projected) -> bool:
     if not skin.is_plane:
         return False
     u0, u1, v0, v1 = skin.bounds
-    normal = skin.normal((u0 + u1) / 2, (v0 + v1) / 2)
+    (normal,) = skin.normals(np.array([[(u0 + u1) / 2, (v0 + v1) / 2]]))
     return 1 - abs(float(normal @ laid.frame_at_centre.axes[2])) < SQUARE

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,9 +12,7 @@ from numpy.typing import ArrayLike
 from perfqr_cad.solid.imported.body import Array
 from perfqr_cad.solid.imported.survey import Frame
 from perfqr_cad.surface import Distortion, Placement
-
-if TYPE_CHECKING:
-    from scipy.interpolate import RectBivariateSpline
+from perfqr_cad.surface.spline import TensorSpline, tensor
 
 UNLAY_SEEDS = 33  # a side
 UNLAY_STEPS = 20  # fixed-point steps towards the foot of a point on the front
@@ -67,8 +64,8 @@ class Projected(Laid):
     thickness_mm: float
 
     @cached_property
-    def _height(self) -> RectBivariateSpline:
-        return _spline(self.heights_mm, self.span_mm)
+    def _height(self) -> TensorSpline:
+        return _spline(self.heights_mm[..., None], self.span_mm)
 
     @property
     def is_flat(self) -> bool:
@@ -76,12 +73,12 @@ class Projected(Laid):
 
     def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
         at = pairs(uv)
-        height = self._height.ev(at[:, 1], at[:, 0]) - np.asarray(depth_mm, float)
+        height = self._height(at)[:, 0] - np.asarray(depth_mm, float)
         return self.frame_at_centre.to_space(np.column_stack([at, height]))
 
     def normal(self, uv: ArrayLike) -> Array:
         at = pairs(uv)
-        slopes = [self._height.ev(at[:, 1], at[:, 0], dx=dx, dy=1 - dx) for dx in (0, 1)]
+        slopes = [self._height(at, order)[:, 0] for order in ((1, 0), (0, 1))]
         normal = np.column_stack([-slopes[0], -slopes[1], np.ones(len(at))])
         return normal / np.linalg.norm(normal, axis=1)[:, None] @ self.frame_at_centre.axes
 
@@ -113,36 +110,43 @@ class Wrapped(Laid):
     thickness_mm: float
 
     @cached_property
-    def _coordinates(self) -> tuple[RectBivariateSpline, ...]:
-        return tuple(_spline(self.points_mm[..., i], self.span_mm) for i in range(3))
-
-    def point(self, uv: ArrayLike) -> Array:
-        return self._derivative(pairs(uv), 0, 0)
+    def _front(self) -> TensorSpline:
+        return _spline(self.points_mm, self.span_mm)
 
     def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
         at = pairs(uv)
         depth = np.broadcast_to(np.asarray(depth_mm, float), len(at))
-        return self._derivative(at, 0, 0) - depth[:, None] * self.normal(at)
+        if not depth.any():
+            return self._front(at)
+        return self._front(at) - depth[:, None] * self.normal(at)
 
     def normal(self, uv: ArrayLike) -> Array:
-        at = pairs(uv)
-        normal = np.cross(self._derivative(at, 1, 0), self._derivative(at, 0, 1))
-        return normal / np.linalg.norm(normal, axis=1)[:, None]
+        return self.frame(uv)[:, 2]
+
+    def frame(self, uv: ArrayLike) -> Array:
+        along_u, along_v = self.tangents(pairs(uv))
+        normal = _unit(np.cross(along_u, along_v))
+        e1 = _unit(along_u)
+        return np.stack([e1, np.cross(normal, e1), normal], axis=1)
+
+    def tangents(self, at: Array, depth_mm: ArrayLike = 0.0) -> tuple[Array, Array]:
+        if np.any(depth_mm):
+            return super().tangents(at, depth_mm)
+        return self._front(at, (1, 0)), self._front(at, (0, 1))
 
     def reach_mm(self) -> float:
         return self.span_mm / 2
 
     def line(self, uv: ArrayLike) -> tuple[Array, Array]:
         at = pairs(uv)
-        return self.point(at), self.frame(at)
-
-    def _derivative(self, at: Array, along_u: int, along_v: int) -> Array:
-        return np.column_stack([s.ev(at[:, 1], at[:, 0], dx=along_v, dy=along_u) for s in self._coordinates])
+        return self._front(at), self.frame(at)
 
 
-def _spline(values: Array, span_mm: float) -> RectBivariateSpline:
-    from scipy.interpolate import RectBivariateSpline
-
+def _spline(values: Array, span_mm: float) -> TensorSpline:
+    """The bicubic through values (k, k, d) on a square grid, rows up, columns right; x comes first in it."""
     line = np.linspace(-span_mm / 2, span_mm / 2, len(values))
-    degree = min(3, len(values) - 1)
-    return RectBivariateSpline(line, line, values, kx=degree, ky=degree, s=0)
+    return tensor(line, line, np.swapaxes(values, 0, 1))
+
+
+def _unit(vectors: Array) -> Array:
+    return vectors / np.linalg.norm(vectors, axis=1)[:, None]

@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.solid.imported.body import Array
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from OCP.Geom import Geom_Surface
     from OCP.TopoDS import TopoDS_Face
     from scipy.spatial import cKDTree
+
+    from perfqr_cad.solid.imported.evaluate import Evaluator
 
 NEWTON_TOL_MM = 1e-10
 NEWTON_STEPS = 40
@@ -60,27 +62,26 @@ class Skin:
         return -1.0 if self.face.Orientation() == TopAbs_Orientation.TopAbs_REVERSED else 1.0
 
     @cached_property
+    def evaluate(self) -> Evaluator:
+        """Points and derivatives at many parameters."""
+        from perfqr_cad.solid.imported.evaluate import evaluator
+
+        return evaluator(self.surface)
+
+    @cached_property
     def _seeds(self) -> tuple[cKDTree, Array]:
         from scipy.spatial import cKDTree
 
         u0, u1, v0, v1 = self.bounds
-        uv = [(u, v) for u in np.linspace(u0, u1, SEEDS) for v in np.linspace(v0, v1, SEEDS)]
-        return cKDTree(np.array([self.surface.Value(u, v).Coord() for u, v in uv])), np.array(uv)
+        u, v = np.meshgrid(np.linspace(u0, u1, SEEDS), np.linspace(v0, v1, SEEDS))
+        uv = np.column_stack([u.ravel(), v.ravel()])
+        return cKDTree(self.evaluate(uv, 1)[0]), uv
 
-    def nearest_seed(self, point: Array) -> tuple[float, float]:
-        """Parameters of the seed nearest to a point."""
-        tree, uv = self._seeds
-        u, v = uv[tree.query(point)[1]]
-        return float(u), float(v)
-
-    def normal(self, u: float, v: float) -> Array:
-        """Unit normal out of the solid."""
-        from OCP.gp import gp_Pnt, gp_Vec
-
-        p, du, dv = gp_Pnt(), gp_Vec(), gp_Vec()
-        self.surface.D1(u, v, p, du, dv)
-        normal = np.cross(du.Coord(), dv.Coord()) * self.outward_sign
-        return normal / np.linalg.norm(normal)
+    def normals(self, uv: Array) -> Array:
+        """Unit normals (k, 3) out of the solid at parameters (k, 2)."""
+        _, du, dv = self.evaluate(uv, 3)
+        normal = np.cross(du, dv) * self.outward_sign
+        return normal / np.linalg.norm(normal, axis=1)[:, None]
 
     def parameters(self, point: Array) -> tuple[float, float]:
         """Parameters of the surface point nearest to a point. Raises `KernelError` when the search fails."""
@@ -93,21 +94,9 @@ class Skin:
         u, v = search.LowerDistanceParameters()
         return u, v
 
-    def derivatives(
-        self, u: float, v: float
-    ) -> tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]:
-        """Point, ∂u, ∂v; and ∂uu, ∂vv, ∂uv, each (3,)."""
-        from OCP.gp import gp_Pnt, gp_Vec
-
-        p, du, dv, duu, dvv, duv = gp_Pnt(), gp_Vec(), gp_Vec(), gp_Vec(), gp_Vec(), gp_Vec()
-        self.surface.D2(u, v, p, du, dv, duu, dvv, duv)
-        first = np.array([p.Coord(), du.Coord(), dv.Coord()])
-        second = np.array([duu.Coord(), dvv.Coord(), duv.Coord()])
-        return (first[0], first[1], first[2]), (second[0], second[1], second[2])
-
     def foot(self, point: Array) -> tuple[Array, Array] | None:
         """The exact point of the surface nearest to a point, and its outward normal; None at a pole."""
-        (p, du, dv), _ = self.derivatives(*self.parameters(point))
+        p, du, dv = self.evaluate(np.array([self.parameters(point)]), 3)[:, 0]
         normal = np.cross(du, dv) * self.outward_sign
         length = float(np.linalg.norm(normal))
         if length <= 1e-9 * float(np.linalg.norm(du) * np.linalg.norm(dv)):
@@ -118,54 +107,52 @@ class Skin:
         """Where lines meet the surface: parameters (k, 2) and points (k, 3).
 
         Line k passes through origins[k] along frames[k, 2]; guesses (k, 3) are within `reach_mm` of the
-        meeting
-        places, so that the far side of a bent surface is not taken for the near one.
-        Newton's iteration on the two coordinates across the line, continued from one line to the next.
-        Raises `KernelError` where a line does not meet the surface transversally.
+        meeting places, so that the far side of a bent surface is not taken for the near one.
+        Newton's iteration on the two coordinates across the line, from the nearest of the face's seeds, and
+        where that fails from the nearest meeting place found. Raises `KernelError` where a line does not meet
+        the surface transversally.
         """
-        uv, points = np.empty((len(origins), 2)), np.empty((len(origins), 3))
-        at: tuple[float, float] | None = None
-        for k in range(len(origins)):
-            found = None
-            if at is not None:
-                found = self._newton(origins[k], frames[k], at, guesses[k], reach_mm)
-            if found is None:
-                found = self._newton(
-                    origins[k], frames[k], self.nearest_seed(guesses[k]), guesses[k], reach_mm
-                )
-            if found is None:
-                where = ", ".join(f"{x:.3f}" for x in guesses[k])
-                raise KernelError(f"the wall's surface cannot be followed at ({where}): move the code")
-            at = found[0], found[1]
-            uv[k], points[k] = at, found[2]
+        tree, seeds = self._seeds
+        uv, points, met = self._newton(origins, frames, seeds[tree.query(guesses)[1]], guesses, reach_mm)
+        if met.any() and not met.all():
+            from scipy.spatial import cKDTree
+
+            lost = np.flatnonzero(~met)
+            near = np.flatnonzero(met)[cKDTree(guesses[met]).query(guesses[lost])[1]]
+            uv[lost], points[lost], met[lost] = self._newton(
+                origins[lost], frames[lost], uv[near], guesses[lost], reach_mm
+            )
+        if not met.all():
+            where = ", ".join(f"{x:.3f}" for x in guesses[np.argmin(met)])
+            raise KernelError(f"the wall's surface cannot be followed at ({where}): move the code")
         return self._in_period(uv), points
 
     def _newton(
-        self, origin: Array, frame: Array, start: tuple[float, float], guess: Array, reach: float
-    ) -> tuple[float, float, tuple[float, float, float]] | None:
-        from OCP.gp import gp_Pnt, gp_Vec
-
-        (ox, oy, oz), (ax, ay, az), (bx, by, bz) = origin.tolist(), frame[0].tolist(), frame[1].tolist()
-        u, v = start
-        p, du, dv, d1 = gp_Pnt(), gp_Vec(), gp_Vec(), self.surface.D1
+        self, origins: Array, frames: Array, start: Array, guesses: Array, reach_mm: float
+    ) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Parameters, points, and which of them lie on their line and near their guess."""
+        uv, points = start.astype(float), np.full_like(guesses, np.inf)
+        met = np.zeros(len(uv), bool)
+        left = np.arange(len(uv))
+        u0, u1, v0, v1 = self.bounds
+        low, high = np.array([2 * u0 - u1, 2 * v0 - v1]), np.array([2 * u1 - u0, 2 * v1 - v0])
         for _ in range(NEWTON_STEPS):
-            d1(u, v, p, du, dv)
-            x, y, z = p.Coord()
-            fa = (x - ox) * ax + (y - oy) * ay + (z - oz) * az
-            fb = (x - ox) * bx + (y - oy) * by + (z - oz) * bz
-            if abs(fa) + abs(fb) < NEWTON_TOL_MM:
-                near = math.dist((x, y, z), guess.tolist())
-                return (u, v, (x, y, z)) if near < reach else None
-            ux, uy, uz = du.Coord()
-            vx, vy, vz = dv.Coord()
-            au, av = ux * ax + uy * ay + uz * az, vx * ax + vy * ay + vz * az
-            bu, bv = ux * bx + uy * by + uz * bz, vx * bx + vy * by + vz * bz
+            p, du, dv = self.evaluate(uv[left], 3)
+            across = frames[left, :2]
+            (fa, fb), (au, bu), (av, bv) = (
+                np.einsum("kij,kj->ik", across, vector) for vector in (p - origins[left], du, dv)
+            )
+            there = np.abs(fa) + np.abs(fb) < NEWTON_TOL_MM
+            points[left[there]], met[left[there]] = p[there], True
             det = au * bv - av * bu
-            if det == 0.0:
-                return None
-            u -= (bv * fa - av * fb) / det
-            v -= (au * fb - bu * fa) / det
-        return None
+            going = ~there & (det != 0.0) & np.isfinite(det)
+            if not going.any():
+                break
+            step = np.stack([bv * fa - av * fb, au * fb - bu * fa], axis=1)[going] / det[going, None]
+            left = left[going]
+            uv[left] = np.clip(uv[left] - step, low, high)  # a spline far beyond its knots overflows
+        near = np.linalg.norm(np.where(met[:, None], points - guesses, 0.0), axis=1) < reach_mm
+        return uv, points, met & near
 
     def _in_period(self, uv: Array) -> Array:
         """Parameters moved by whole periods into the face's range; outlines across a seam are not for us."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.solid.imported.body import Array, Body
+from perfqr_cad.solid.imported.evaluate import FIRST, SECOND
 from perfqr_cad.solid.imported.lay import Wrapped
 from perfqr_cad.solid.imported.skin import Skin
 from perfqr_cad.solid.imported.survey import FINE, INSET, Frame, Survey, probe
@@ -21,40 +22,41 @@ STEPS = 12  # Runge-Kutta steps along each geodesic
 def wrapped(skin: Skin, frame: Frame, span_mm: float, thickness_mm: float) -> Wrapped:
     """The geodesic wrap of a square of edge `span_mm` about the frame's origin."""
     line = np.linspace(-span_mm / 2, span_mm / 2, GRID)
-    start = skin.parameters(frame.origin)
-    points = [[geodesic(skin, start, x * frame.axes[0] + y * frame.axes[1]) for x in line] for y in line]
-    return Wrapped(frame, span_mm, np.array(points), thickness_mm)
+    flat = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+    points = geodesics(skin, skin.parameters(frame.origin), flat @ frame.axes[:2])
+    return Wrapped(frame, span_mm, points.reshape(GRID, GRID, 3), thickness_mm)
 
 
-def geodesic(skin: Skin, start: tuple[float, float], along: Array) -> tuple[float, float, float]:
-    """The point (3,) reached from a surface point by going straight along a tangent for its length, mm."""
-    (p, du, dv), _ = skin.derivatives(*start)
-    # The tangent in parameters: least squares in the tangent plane.
-    speed = np.linalg.lstsq(np.column_stack([du, dv]), along, rcond=None)[0]
-    state = np.array([*start, *speed])
+def geodesics(skin: Skin, start: tuple[float, float], along: Array) -> Array:
+    """The points (k, 3) reached from a surface point by going straight along tangents (k, 3) for their
+    length, mm."""
+    _, du, dv = skin.evaluate(np.array([start]), FIRST)[:, 0]
+    # The tangents in parameters: least squares in the tangent plane.
+    speed = np.linalg.lstsq(np.column_stack([du, dv]), along.T)[0].T
+    state = np.asarray(np.hstack([np.broadcast_to(start, speed.shape), speed]), np.float64)
     step = 1.0 / STEPS
-    if not np.any(along):
-        return tuple(p)
     for _ in range(STEPS):
         k1 = _rate(skin, state)
         k2 = _rate(skin, state + step / 2 * k1)
         k3 = _rate(skin, state + step / 2 * k2)
         k4 = _rate(skin, state + step * k3)
-        state = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    return tuple(skin.derivatives(float(state[0]), float(state[1]))[0][0])
+        state = np.asarray(state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4), np.float64)
+    return skin.evaluate(state[:, :2], 1)[0]
 
 
 def _rate(skin: Skin, state: Array) -> Array:
-    """The geodesic equation: the acceleration of the curve has no tangential part."""
-    u, v, su, sv = state.tolist()
-    (_, du, dv), (duu, dvv, duv) = skin.derivatives(u, v)
+    """The geodesic equation: the acceleration of the curve has no tangential part. States (k, 4)."""
+    speed = state[:, 2:]
+    _, du, dv, duu, duv, dvv = skin.evaluate(state[:, :2], SECOND)
+    su, sv = speed[:, :1], speed[:, 1:]
     bend = duu * su * su + 2 * duv * su * sv + dvv * sv * sv
-    e, f, g = float(du @ du), float(du @ dv), float(dv @ dv)
-    a, b = -float(du @ bend), -float(dv @ bend)
+    e, f, g, a, b = (
+        np.einsum("ki,ki->k", x, y) for x, y in ((du, du), (du, dv), (dv, dv), (du, -bend), (dv, -bend))
+    )
     det = e * g - f * f
-    if det <= 1e-18 * e * g or det == 0.0:
+    if not (det > 1e-18 * e * g).all():
         raise DesignError("the code cannot be wrapped over a pole of the surface: project it, or move it")
-    return np.array([su, sv, (a * g - b * f) / det, (b * e - a * f) / det])
+    return np.column_stack([speed, (a * g - b * f) / det, (b * e - a * f) / det])
 
 
 def survey_wrapped(body: Body, laid: Wrapped, size_mm: float) -> Survey:
