@@ -109,10 +109,25 @@ class Camera:
         seen = (points_mm - self.eye_mm) @ self.rotation.T @ self.intrinsics.T
         return seen[:, :2] / seen[:, 2:]
 
-    def directions(self) -> Floats:
-        """Unit rays through every pixel, (size_px², 3), row by row."""
-        pixel = np.arange(self.view.size_px) - (self.view.size_px - 1) / 2
-        x, y = np.meshgrid(pixel / self.focal_px, pixel / self.focal_px)
-        local = np.stack([x.ravel(), y.ravel(), np.ones(x.size)], axis=1)
-        local /= np.linalg.norm(local, axis=1, keepdims=True)
-        return np.asarray(local @ self.rotation, np.float64)
+    def rays(self, axes: Floats, rows: slice, columns: slice) -> NDArray[np.float32]:
+        """Ways through the pixels of a window, row by row (k, 3), in the frame with these axes (rows).
+
+        Their length is such that they advance by 1 along the optical axis.
+        """
+        right, down, forward = (self.rotation @ axes.T).astype(np.float32)
+        pixel = (np.arange(self.view.size_px) - (self.view.size_px - 1) / 2) / self.focal_px
+        pixel = pixel.astype(np.float32)
+        ways = pixel[rows][:, None, None] * down + (pixel[columns][:, None] * right + forward)
+        return ways.reshape(-1, 3)
+
+    def window(self, points_mm: Floats) -> tuple[slice, slice]:
+        """Rows and columns of the picture that hold points (k, 3), with a pixel around.
+
+        The whole picture when some of the points are not before the camera.
+        """
+        if np.any((points_mm - self.eye_mm) @ self.rotation[2] <= 0):
+            return slice(0, self.view.size_px), slice(0, self.view.size_px)
+        seen = self.project(points_mm)
+        low = np.clip(np.floor(seen.min(axis=0)), 0, self.view.size_px - 1).astype(int)
+        high = np.clip(np.ceil(seen.max(axis=0)) + 1, low + 1, self.view.size_px).astype(int)
+        return slice(low[1], high[1]), slice(low[0], high[0])

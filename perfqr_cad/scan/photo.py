@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -9,9 +11,12 @@ from numpy.typing import NDArray
 from perfqr_cad.scan.look import Look, Optics
 from perfqr_cad.scan.plate import Shot
 from perfqr_cad.scan.raster import warp
+from perfqr_cad.scan.skylight import Picture
 
 # The brightest thing in the picture is exposed to this part of full scale.
 EXPOSURE = 0.85
+LEVELS = 4095  # of a 12-bit sensor
+DARKEST = 0.01  # of full scale: noise does not fall below that of this signal (read-out)
 # ITU-R BT.601 luma, as camera previews and OpenCV compute it.
 LUMA = np.array([0.299, 0.587, 0.114])
 
@@ -36,13 +41,16 @@ def _is_gray(look: Look) -> bool:
     return flat_texture and len(set(look.material)) == 1 and len(set(look.ground)) == 1
 
 
-def _channel(shot: Shot, look: Look, channel: int) -> NDArray[np.float32]:
+def _channel(shot: Shot, look: Look, channel: int) -> Picture:
     """Light that one colour channel receives, linear."""
     ground = np.float32(look.ground[channel]) * shot.ground
     if look.texture is not None:
-        ground = ground * _texture(shot, look, channel)
-    lit = shot.material + np.float32(look.translucency * look.light.on_front) * shot.cover
-    return (np.float32(look.material[channel]) * lit + ground).astype(np.float32)
+        ground *= _texture(shot, look, channel)
+    lit = np.float32(look.material[channel]) * shot.material
+    if look.translucency > 0:
+        lit += np.float32(look.material[channel] * look.translucency * look.light.on_front) * shot.cover
+    lit += ground
+    return lit
 
 
 def _texture(shot: Shot, look: Look, channel: int) -> NDArray[np.float32]:
@@ -65,11 +73,25 @@ def _camera(light: NDArray[np.float32], look: Look, front: float, seed: int) -> 
         if kernel is not None:
             signal = cv2.filter2D(signal, -1, kernel, borderType=cv2.BORDER_REPLICATE).reshape(signal.shape)
     if optics.noise > 0:
-        noise = np.random.default_rng(seed).standard_normal(signal.shape, np.float32)
-        signal = signal + np.float32(optics.noise) * np.sqrt(np.maximum(signal, 0.01)) * noise
-    levels = np.clip(signal * 4095 + 0.5, 0, 4095).astype(np.uint16)
-    curve = (255 * (np.arange(4096) / 4095) ** (1 / optics.gamma) + 0.5).astype(np.uint8)
-    return _compress(curve[levels], optics)
+        shot_noise = np.sqrt(np.maximum(signal, np.float32(DARKEST)))
+        shot_noise *= np.float32(optics.noise)
+        shot_noise *= _grain(signal.shape, seed)
+        signal += shot_noise
+    signal *= np.float32(LEVELS)
+    levels = np.clip(signal, 0, LEVELS, out=signal).astype(np.uint16)
+    return _compress(_curve(optics.gamma)[levels], optics)
+
+
+@lru_cache(maxsize=4)
+def _curve(gamma: float) -> NDArray[np.uint8]:
+    """8-bit code of every level of the sensor."""
+    return (255 * (np.arange(LEVELS + 1) / LEVELS) ** (1 / gamma) + 0.5).astype(np.uint8)
+
+
+def _grain(shape: tuple[int, ...], seed: int) -> NDArray[np.float32]:
+    """Noise of mean 0 and deviation 1: heads in 64 tosses of a coin, near enough to normal, and quick."""
+    tosses = np.random.default_rng(seed).integers(0, 2**64, shape, np.uint64)
+    return (np.bitwise_count(tosses).astype(np.float32) - np.float32(32)) * np.float32(0.25)
 
 
 def _disc(diameter_px: float) -> NDArray[np.float32] | None:

@@ -32,6 +32,19 @@ def warp(
     return np.asarray(moved, picture.dtype)
 
 
+def sample(picture: NDArray[Number], at: NDArray[np.float32]) -> NDArray[Number]:
+    """Values (k,) at the positions (2, k): x and y in pixels; bilinear, zero beyond the picture.
+
+    OpenCV takes at most 32766 positions at a time.
+    """
+    if at.shape[1] == 0:
+        return np.zeros(0, picture.dtype)
+    found = cv2.remap(
+        picture, at[:1], at[1:], cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0
+    )
+    return np.asarray(found, picture.dtype)[0]
+
+
 def shift(picture: NDArray[np.float32], x: float, y: float, outside: float) -> NDArray[np.float32]:
     """Each pixel's value (x, y) pixels away from it; `outside` where that is beyond the picture."""
     matrix = np.array([[1.0, 0, x], [0, 1.0, y]])

@@ -8,6 +8,7 @@ part is lit and hidden like the part, but has the ground's colour and, like the 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -33,13 +34,14 @@ _TINY = 1e-6
 class Tracer:
     """A mesh in the frame of its code (z towards the reader), ready for rays.
 
-    The first `of_part` triangles are the part, the others a body of the ground's colour.
+    normals   (m, 3) unit; classes (m + 1,) of the triangles and, last, of the ground; corners (8, 3) of the
+    box around them. The first `of_part` triangles are the part, the others a body of the ground's colour.
     """
 
     scene: Any
     normals: Floats
     classes: NDArray[np.int8]
-    lowest_mm: float
+    corners: Floats
     of_part: int
 
     def on_part(self, triangle: NDArray[np.int32]) -> NDArray[np.bool_]:
@@ -47,9 +49,9 @@ class Tracer:
         return (triangle >= 0) & (triangle < self.of_part)
 
     def hit(
-        self, origins: Floats, directions: NDArray[np.floating]
+        self, origins: NDArray[np.floating], directions: NDArray[np.floating]
     ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-        """Triangle (-1 for none) and distance for each ray."""
+        """Triangle (-1 for none) and distance for each ray, in lengths of its direction."""
         found = self.scene.run(
             np.ascontiguousarray(origins, np.float32), np.ascontiguousarray(directions, np.float32), output=1
         )
@@ -76,45 +78,53 @@ def tracer(part: Part) -> Tracer:
     normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-300
     classes = _classes(normals)
     classes[len(part.faces) :] += AXIS_CLASSES  # its light is not averaged with the part's
-    return Tracer(scene, normals, classes, float(vertices[:, 2].min()), len(part.faces))
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    corners = np.array(list(product(*zip(low, high, strict=True))))
+    return Tracer(scene, normals, np.append(classes, GROUND), corners, len(part.faces))
 
 
 def shoot(
     tracer: Tracer, camera: Camera, light: Light, *, gap_mm: float, reflectance: float, seed: int
 ) -> Shot:
     """Film a mesh before a level ground, `gap_mm` below its lowest point."""
-    size = camera.view.size_px
-    axes = camera.target.axes
+    size, axes = camera.view.size_px, camera.target.axes
     eye = (camera.eye_mm - camera.target.centre_mm) @ axes.T
-    directions = (camera.directions() @ axes.T).astype(np.float32)
-    triangle, distance = tracer.hit(np.broadcast_to(eye, directions.shape), directions)
-    facing = np.where(triangle >= 0, tracer.classes[triangle], GROUND).reshape(size, size)
+    rows, columns = camera.window(camera.target.centre_mm + tracer.corners @ axes)
+    triangle = np.full((size, size), -1, np.int32)
+    distance = np.zeros((size, size), np.float32)
+    ways = camera.rays(axes, rows, columns)
+    found, far = tracer.hit(np.broadcast_to(eye.astype(np.float32), ways.shape), ways)
+    triangle[rows, columns] = found.reshape(rows.stop - rows.start, -1)
+    distance[rows, columns] = far.reshape(rows.stop - rows.start, -1)
 
-    sampled = np.arange(size * size).reshape(size, size)[::SAMPLE_STEP, ::SAMPLE_STEP]
-    floor = tracer.lowest_mm - gap_mm
-    points, normals = _places(tracer, eye, directions, triangle, distance, floor, sampled.ravel())
+    every = np.s_[::SAMPLE_STEP, ::SAMPLE_STEP]
+    floor = float(tracer.corners[:, 2].min()) - gap_mm
+    whole = slice(0, size, SAMPLE_STEP)
+    points, normals = _places(
+        tracer, eye, camera.rays(axes, whole, whole), triangle[every].ravel(), distance[every].ravel(), floor
+    )
     rng = np.random.default_rng(seed)
     light_there = _irradiance(tracer, points, normals, light, reflectance, rng)
-    lit = _spread(light_there.reshape(sampled.shape).astype(np.float32), facing)
-    cover = tracer.on_part(triangle).reshape(size, size).astype(np.float32)
-    return Shot(lit * cover, lit * (1 - cover), cover, np.linalg.inv(camera.homography(-floor)))
+    facing = tracer.classes[triangle]  # the last class is that of the ground
+    lit = _spread(light_there.reshape(facing[every].shape).astype(np.float32), facing)
+    cover = tracer.on_part(triangle)
+    return Shot(lit * cover, lit * ~cover, cover.astype(np.float32), np.linalg.inv(camera.homography(-floor)))
 
 
 def _places(
     tracer: Tracer,
     eye: Floats,
-    directions: NDArray[np.float32],
+    ways: NDArray[np.float32],
     triangle: NDArray[np.int32],
     distance: NDArray[np.float32],
     floor: float,
-    chosen: NDArray[np.intp],
 ) -> tuple[Floats, Floats]:
-    """Where the chosen rays end, and the normal there towards the camera: on the part or on the ground."""
-    along, met = directions[chosen].astype(np.float64), triangle[chosen]
+    """Where rays end, and the normal there towards the camera: on the part or on the ground."""
+    along = ways.astype(np.float64)
     # Rays that pass the horizon meet the ground nowhere: they see it as if far away.
     to_floor = (floor - eye[2]) / np.minimum(along[:, 2], -_TINY)
-    reach = np.where(met >= 0, distance[chosen], to_floor)
-    normals = np.where(met[:, None] >= 0, tracer.normals[met], [0.0, 0.0, 1.0])
+    reach = np.where(triangle >= 0, distance, to_floor)
+    normals = np.where(triangle[:, None] >= 0, tracer.normals[triangle], [0.0, 0.0, 1.0])
     normals[np.einsum("ij,ij->i", normals, along) > 0] *= -1
     return eye + along * reach[:, None], normals
 
@@ -183,7 +193,7 @@ def _spread(sparse: Picture, facing: NDArray[np.int8]) -> Picture:
     to_fine = np.diag([SAMPLE_STEP, SAMPLE_STEP, 1.0])
     there = facing[::SAMPLE_STEP, ::SAMPLE_STEP]
     lit = np.zeros(facing.shape, np.float32)
-    for kind in np.unique(facing):
+    for kind in np.unique(there):
         here = (there == kind).astype(np.float32)
         weight = warp(smooth(here, SMOOTH_PX / SAMPLE_STEP), to_fine, size)
         total = warp(smooth(sparse * here, SMOOTH_PX / SAMPLE_STEP), to_fine, size)

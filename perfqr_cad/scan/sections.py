@@ -7,6 +7,7 @@ picture is the exact area of material in each pixel, by the signed-area sum used
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,16 @@ class Stack:
     def px_per_mm(self) -> float:
         """Resolution of the pictures."""
         return self.pixels / self.edge_mm
+
+    @cached_property
+    def bounds(self) -> tuple[int, int, int, int]:
+        """The pixels (left, top, right, bottom) beyond which no section has material."""
+        pictures = {id(picture): picture for picture in self.material}.values()
+        columns = np.flatnonzero(np.any([picture.any(axis=0) for picture in pictures], axis=0))
+        rows = np.flatnonzero(np.any([picture.any(axis=1) for picture in pictures], axis=0))
+        if len(rows) == 0:
+            return 0, 0, 0, 0
+        return int(columns[0]) - 1, int(rows[0]) - 1, int(columns[-1]) + 1, int(rows[-1]) + 1
 
     def to_plane(self) -> Floats:
         """(3, 3) from picture pixels (centres at whole numbers) to (x, y) in mm."""
