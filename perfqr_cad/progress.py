@@ -26,3 +26,18 @@ def tell(step: str) -> None:
     listener = _listener.get()
     if listener is not None:
         listener(step)
+
+
+BAR = 20  # characters
+
+
+def counter(step: str, total: int) -> Callable[[int], None]:
+    """What announces how many of `total` are done, as a bar. It may be called from any thread."""
+    listener = _listener.get()
+
+    def announce(done: int) -> None:
+        if listener is not None:
+            full = BAR * done // max(total, 1)
+            listener(f"{step} {'█' * full}{'░' * (BAR - full)} {done}/{total}")
+
+    return announce

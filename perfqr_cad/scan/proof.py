@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import AnalysisError, CaptureError, SymbolError
-from perfqr_cad.progress import tell
+from perfqr_cad.progress import counter
 from perfqr_cad.scan import advice
 from perfqr_cad.scan.camera import View
 from perfqr_cad.scan.colours import BACKGROUNDS, contrast, contrast_warning
@@ -106,7 +107,6 @@ def certify(
     KernelError if the mesh is empty.
     """
     look = look or Look()
-    tell("film the part")
     edge_mm = None if pattern is None else pattern.size_mm
     scene = Scene(place(triangles, placement, edge_mm=edge_mm, behind=behind))
     panel = shared(decoders)
@@ -114,12 +114,13 @@ def certify(
         payload = _agreed(scene, look, panel, plan)
     right = accepted(payload)
     views = plan.views()
-    read = reads(scene, views, look, right, panel, frames=plan.patience(), seed=seed)
+    film = partial(reads, look=look, right=right, panel=panel, seed=seed)
+    patience = plan.patience()
+    read = film(scene, views, frames=patience, step="film the part")
     on_paper = _flat_print(scene, pattern, look, plan)
     flat_read = None
     if on_paper is not None:
-        tell("film the flat print")
-        flat_read = reads(on_paper, views, look, right, panel, frames=plan.patience(), seed=seed)
+        flat_read = film(on_paper, views, frames=patience, step="film the flat print")
     colours = _backgrounds(scene, look, right, panel, plan, seed)
     results = {
         name: DecoderResult(
@@ -143,21 +144,32 @@ def reads(
     *,
     frames: Sequence[int] | None = None,
     seed: int = 0,
+    step: str = "film",
 ) -> list[frozenset[str]]:
     """Names of the decoders that read one of the `right` payloads in each view.
 
     frames   how many frames of an unsteady hand each view gets until it is read; one each by default
+    step     what the progress is announced as
     """
     frames = [1] * len(views) if frames is None else frames
     read: list[set[str]] = [set() for _ in views]
+    announce = counter(step, sum(frames))
+    announce(0)
     subject.prepare(look)
     for frame in range(max(frames, default=0)):
         waiting = [k for k in range(len(views)) if frame < frames[k] and len(read[k]) < len(panel.names)]
+        to_come = sum(frames[k] - frame for k in waiting)
         pictures = [_picture(subject, views[k], look, seed, k, frame) for k in waiting]
         names = [[name for name in panel.names if name not in read[k]] for k in waiting]
-        for k, reading in zip(waiting, panel.read_all(pictures, names=names), strict=True):
+        done = partial(_count, announce, sum(frames) - to_come)
+        for k, reading in zip(waiting, panel.read_all(pictures, names=names, progress=done), strict=True):
             read[k] |= {name for name, payloads in reading.items() if right.intersection(payloads)}
+    announce(sum(frames))
     return [frozenset(names) for names in read]
+
+
+def _count(announce: Callable[[int], None], before: int, now: int) -> None:
+    announce(before + now)
 
 
 def _picture(
@@ -222,7 +234,6 @@ def _backgrounds(
     views = [jittered(view, np.random.default_rng([seed, k])) for k, view in enumerate(still)]
     rates: dict[str, float] = {}
     for name in plan.backgrounds:
-        tell(f"{name} ground")
         read = reads(scene, views, replace(look, ground=BACKGROUNDS[name]), right, panel, seed=seed)
         rates[name] = sum(len(names) for names in read) / (len(views) * len(panel.names))
     return rates
