@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Face
     from scipy.spatial import cKDTree
 
-    from perfqr_cad.solid.imported.evaluate import Evaluator
+    from perfqr_cad.solid.evaluate import Evaluator
 
 NEWTON_TOL_MM = 1e-10
 NEWTON_STEPS = 40
@@ -64,7 +64,7 @@ class Skin:
     @cached_property
     def evaluate(self) -> Evaluator:
         """Points and derivatives at many parameters."""
-        from perfqr_cad.solid.imported.evaluate import evaluator
+        from perfqr_cad.solid.evaluate import evaluator
 
         return evaluator(self.surface)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.solid.imported.body import Array, Body
-from perfqr_cad.solid.imported.evaluate import FIRST, SECOND
+from perfqr_cad.solid.evaluate import FIRST, SECOND
 from perfqr_cad.solid.imported.lay import Wrapped
 from perfqr_cad.solid.imported.skin import Skin
 from perfqr_cad.solid.imported.survey import FINE, INSET, Frame, Survey, probe
