@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from perfqr_cad.pattern.draft import Bar, Draft, Rect
-from perfqr_cad.pattern.lattice import Cells, Labels, discs, label
+from perfqr_cad.pattern.lattice import Cells, Labels, label
 from perfqr_cad.pattern.pattern import Optimality
-from perfqr_cad.pattern.routing import Field, Route, Router, brush_grid, brush_positions
+from perfqr_cad.pattern.routing import Field, Route, Router, brush_grid, brush_positions, held_positions
 from perfqr_cad.pattern.sampling import (
     blur_weights,
     brightness,
@@ -18,6 +18,7 @@ from perfqr_cad.pattern.sampling import (
     right_contrast,
     sample_weights,
     sampled,
+    sampled_part,
 )
 from perfqr_cad.pattern.spanning import Conflict, Link, cheapest, cheapest_without_loss, kruskal
 from perfqr_cad.symbol import Role, Symbol, layout
@@ -53,8 +54,8 @@ def join(
         return draft, Optimality(0.0, 0.0, 0.0, 0.0)
     lattice = draft.lattice
     brush, step = lattice.whole(web_mm), brush_step(lattice.per_module, scale)
-    draft, labels = stand_on_grid(draft, labels, count, brush, step)
-    grid = brush_grid(draft.solid, labels, cell_price(draft, symbol, solid_is_dark), brush, step)
+    draft, labels, held = stand_on_grid(draft, labels, count, brush, step)
+    grid = brush_grid(labels, held, cell_price(draft, symbol, solid_is_dark), brush, step)
     router = Router(grid, LENGTH_PRICE * AREA_PRICE * brush * step / lattice.per_module**2)
     pairs = router.pairs()
     prices = [pairs[k].price for k in kruskal([Link(route.islands, route.price) for route in pairs])]
@@ -95,16 +96,21 @@ def brush_step(per_module: int, scale: int) -> int:
     return min(max(per_module // (2 * scale), per_module // 8), per_module // STEPS_PER_MODULE)
 
 
-def stand_on_grid(draft: Draft, labels: Labels, count: int, brush: int, step: int) -> tuple[Draft, Labels]:
-    """Widens the islands on which the brush has no position on its grid, so that it has."""
+def stand_on_grid(
+    draft: Draft, labels: Labels, count: int, brush: int, step: int
+) -> tuple[Draft, Labels, Cells]:
+    """Widens the islands on which the brush has no position on its grid, so that it has.
+
+    Returns the positions, too, on which the brush is held.
+    """
     at = brush_positions(len(draft.solid), brush, step)
-    held = discs(draft.solid, brush)
+    held = held_positions(draft.solid, brush, step)
     middle = np.ix_(at + brush // 2, at + brush // 2)
     reached = np.zeros(count + 1, np.bool_)
     reached[0] = True
-    reached[labels[middle][held[np.ix_(at, at)]]] = True
+    reached[labels[middle][held]] = True
     if reached.all():
-        return draft, labels
+        return draft, labels, held
     import cv2
 
     depth = cv2.distanceTransform(draft.solid.astype(np.uint8), cv2.DIST_L2, 5)
@@ -117,24 +123,28 @@ def stand_on_grid(draft: Draft, labels: Labels, count: int, brush: int, step: in
         square = np.s_[min(y, top) : max(y + 1, top + brush), min(x, left) : max(x + 1, left + brush)]
         widened[square] = True
         labels[square] = labels[y, x]
-    return draft.with_cells(widened, solid=True).counted(webs_grown=len(first)), labels
+    draft = draft.with_cells(widened, solid=True).counted(webs_grown=len(first))
+    return draft, labels, held_positions(draft.solid, brush, step)
 
 
 def cell_price(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Field:
-    """(cells, cells) price of making a cell solid: expected misread modules more, and its area."""
+    """(cells, cells) price of making a void cell solid: expected misread modules more, and its area."""
     lattice = draft.lattice
     u, quiet, n = lattice.per_module, lattice.quiet, lattice.modules
     contrast = right_contrast(lattice, symbol, solid_is_dark)
     harmful = symbol.matrix.dark != solid_is_dark
     rise = harmful * (misread_chance(contrast - BRIDGE_DOSE) - misread_chance(contrast)) / BRIDGE_DOSE
-    weights = blur_weights(n + 2 * quiet, u)[quiet : quiet + n]
-    price = weights.T @ rise @ weights + AREA_PRICE / u**2
-    centre = np.kron(CENTRE_PRICE * harmful, np.outer(sample_weights(u), sample_weights(u)))
-    roles = layout(symbol.version, symbol.level).roles
-    finder = np.kron((roles == Role.FINDER) * FINDER_PRICE, np.full((u, u), 1 / u**2))
-    inner = np.s_[quiet * u : (quiet + n) * u]
-    price[inner, inner] += centre + finder - QUIET_PRICE / u**2
-    return price + QUIET_PRICE / u**2
+    weights = blur_weights(n, quiet, u).T.tocsr()
+    price = weights @ (weights @ rise.T).T
+    by_module = price.reshape(n + 2 * quiet, u, n + 2 * quiet, u)
+    finder = layout(symbol.version, symbol.level).roles == Role.FINDER
+    flat = AREA_PRICE + np.pad(FINDER_PRICE * finder, quiet, constant_values=QUIET_PRICE)
+    by_module += flat[:, None, :, None] / u**2
+    part, centre = sampled_part(u), sample_weights(u)
+    inner = by_module[quiet : quiet + n, part, quiet : quiet + n, part]
+    inner += np.einsum("rc,y,x->rycx", CENTRE_PRICE * harmful, centre[part], centre[part])
+    price *= ~draft.solid
+    return price
 
 
 def route_bars(route: Route, brush: int) -> list[Bar]:

@@ -39,7 +39,7 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     right_solid = symbol.matrix.dark == solid_is_dark
     draft, reason = printable(symbol, spec, art)
     gap = draft.lattice.whole(spec.gap_mm)
-    _, islands = label(draft.asked)
+    islands = _islands(draft, 1 if art is None else art.scale)
     draft = tie_rings(draft, symbol, spec)
     scale = 1 if art is None else art.scale
     sparing = scale > 1 and draft.lattice.module_mm >= scale * least_dot_mm(spec, scale)
@@ -58,6 +58,12 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     if not sound:
         draft, sound = mended(draft, spec)
     return finish(draft, Job(symbol, spec, islands, reason, optimality, losses), sound)
+
+
+def _islands(draft: Draft, scale: int) -> int:
+    """Pieces of the art as it was asked for; one cell of each of its samples tells."""
+    step = 1 if draft.shapes else draft.lattice.per_module // scale
+    return label(draft.asked[::step, ::step])[1]
 
 
 def rejoined(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -11,13 +12,15 @@ from numpy.typing import NDArray
 
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.front import edge_under
-from perfqr_cad.pattern.lattice import after, before
 from perfqr_cad.pattern.outline import LEAST_MM, Arc, Bezier, Line, Loop, Point, Points, Region, Segment
+from perfqr_cad.pattern.tracing import Rings
+
+Flags: TypeAlias = NDArray[np.bool_]
+Lengths: TypeAlias = NDArray[np.float64]
 
 LEAST_EDGE_MM = 0.1  # a quarter of a nozzle: what no slicer resolves and every mesher stumbles over
 STRAIGHT_TURN_RAD = 1e-6  # a turn below this is rounding
 SMOOTH_TURN_RAD = math.radians(60)  # a sharper turn is a corner that the art meant
-Flags: TypeAlias = NDArray[np.bool_]
 SIMPLIFY_PART = 0.7  # of the tolerance goes into straightening stairs, the rest into rounding
 
 
@@ -29,57 +32,78 @@ def filleted(region: Region, radius_mm: float) -> Region:
     """
     if radius_mm <= 0:
         return region
-    return Region(_filleted(region.outer, radius_mm), tuple(_filleted(h, radius_mm) for h in region.holes))
+    straight = [loop for loop in region.loops if all(isinstance(s, Line) for s in loop.segments)]
+    rings = Rings.of([np.array([segment.start for segment in loop.segments]) for loop in straight])
+    rounded = dict(zip(map(id, straight), _filleted(rings, radius_mm), strict=True))
+    outer, *holes = (rounded.get(id(loop), loop) for loop in region.loops)
+    return Region(outer, tuple(holes))
 
 
-def _filleted(loop: Loop, radius_mm: float) -> Loop:
-    if not all(isinstance(segment, Line) for segment in loop.segments):
-        return loop
-    corners = np.array([segment.start for segment in loop.segments])
-    edges = after(corners) - corners
-    lengths = np.hypot(edges[:, 0], edges[:, 1])
-    arriving = before(edges)
-    turn = np.arctan2(
-        arriving[:, 0] * edges[:, 1] - arriving[:, 1] * edges[:, 0], (arriving * edges).sum(axis=1)
-    )
+def _filleted(rings: Rings, radius_mm: float) -> list[Loop]:
+    before, after = rings.before, rings.after
+    along, lengths, turn = _course(rings)
     # The material lies on the left: a turn to the right is re-entrant.
     rounded = turn < -STRAIGHT_TURN_RAD
     tangent = np.tan(np.abs(turn) / 2)
     behind = np.where(after(rounded), lengths / 2, lengths)  # half where the next corner takes the rest
     ahead = np.where(before(rounded), before(lengths) / 2, before(lengths))
-    room = np.minimum(behind, ahead)
-    cut = np.where(rounded, np.minimum(radius_mm * tangent, room), 0.0)
-    cut = _without_remnants(cut, lengths)
+    cut = np.where(rounded, np.minimum(radius_mm * tangent, np.minimum(behind, ahead)), 0.0)
+    cut = _without_remnants(rings, cut, lengths)
     cut[cut < LEAST_EDGE_MM / 2] = 0.0
-    return Loop(tuple(_segments(corners, edges / lengths[:, None], cut, tangent)))
+    starts, ends, gone = _joints(rings, along, lengths, cut)
+    radius = np.divide(cut, tangent, out=np.zeros_like(cut), where=cut > 0)
+    right = np.stack([before(along)[:, 1], -before(along)[:, 0]], axis=1)  # where the void lies
+    joints = zip(
+        cut > 0, *(_tuples(p) for p in (starts, ends, starts + right * radius[:, None])), strict=True
+    )
+    curves = [Arc(start, end, centre, ccw=False) if bent else None for bent, start, end, centre in joints]
+    return _chained(rings, curves, starts, ends, gone)
 
 
-def _without_remnants(cut: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+def _course(rings: Rings) -> tuple[Points, Lengths, Lengths]:
+    """Direction and length of the edge after each corner, and the turn at the corner, left positive."""
+    edges = rings.after(rings.points) - rings.points
+    lengths = np.hypot(edges[:, 0], edges[:, 1])
+    arriving = rings.before(edges)
+    cross = arriving[:, 0] * edges[:, 1] - arriving[:, 1] * edges[:, 0]
+    return edges / lengths[:, None], lengths, np.arctan2(cross, (arriving * edges).sum(axis=1))
+
+
+def _joints(rings: Rings, along: Points, lengths: Lengths, cut: Lengths) -> tuple[Points, Points, Flags]:
+    """Where the curve at each corner starts and ends, and whether no line follows it.
+
+    A line too short to have a direction is left out: what came before it ends where the next begins.
+    """
+    starts = rings.points - rings.before(along) * cut[:, None]
+    ends = rings.points + along * cut[:, None]
+    gone = lengths - cut - rings.after(cut) <= LEAST_MM
+    ends[gone] = rings.after(starts)[gone]
+    starts[gone & (cut == 0)] = ends[gone & (cut == 0)]
+    return starts, ends, gone
+
+
+def _chained(
+    rings: Rings, curves: Sequence[Segment | None], starts: Points, ends: Points, gone: Flags
+) -> list[Loop]:
+    """Loops of the curves at the corners and the lines between them."""
+    lines = [
+        None if none else Line(end, start)
+        for none, end, start in zip(gone, _tuples(ends), _tuples(rings.after(starts)), strict=True)
+    ]
+    both = [pair for pairs in zip(curves, lines, strict=True) for pair in pairs]
+    spans = pairwise((2 * rings.bounds).tolist())
+    return [Loop(tuple(s for s in both[first:end] if s is not None)) for first, end in spans]
+
+
+def _without_remnants(rings: Rings, cut: Lengths, lengths: Lengths) -> Lengths:
     """Cuts reduced where they would leave a straight remnant too short to be meshed or offset."""
     for _ in range(2):  # the two ends of an edge may both give way
-        taken = cut + after(cut)
+        taken = cut + rings.after(cut)
         rest = lengths - taken
         short = (rest > LEAST_MM) & (rest < LEAST_EDGE_MM) & (taken > 0)
         factor = np.where(short, np.maximum(lengths - LEAST_EDGE_MM, 0) / np.maximum(taken, LEAST_MM), 1.0)
-        cut = cut * np.minimum(factor, before(factor))
+        cut = cut * np.minimum(factor, rings.before(factor))
     return cut
-
-
-def _segments(corners: Points, along: Points, cut: np.ndarray, tangent: np.ndarray) -> list[Segment]:
-    segments: list[Segment] = []
-    count = len(corners)
-    starts = corners + along * cut[:, None]
-    ends = corners - before(along) * cut[:, None]
-    for k in range(count):
-        start, end = _point(starts[k]), _point(ends[(k + 1) % count])
-        if cut[k] > 0:
-            radius = cut[k] / tangent[k]
-            into = along[k - 1]
-            normal = np.array([into[1], -into[0]])  # to the right, where the void lies
-            segments.append(Arc(_point(ends[k]), start, _point(ends[k] + normal * radius), ccw=False))
-        if math.dist(start, end) > LEAST_MM:
-            segments.append(Line(start, end))
-    return _closed(segments)
 
 
 def smoothed(region: Region, tolerance_mm: float, bars: Sequence[Bridge] = ()) -> Region:
@@ -89,12 +113,10 @@ def smoothed(region: Region, tolerance_mm: float, bars: Sequence[Bridge] = ()) -
     meet the edges along their direction. Corners sharper than 60° and the edges on which bars end stay.
     """
     tips = [tip for bar in bars for tip in (bar.start, bar.end)]
-
-    def smooth(loop: Loop) -> Loop:
-        corners, kept = _straightened(loop.flatten(), tips, SIMPLIFY_PART * tolerance_mm)
-        return _bent(corners, kept, tolerance_mm)
-
-    return Region(smooth(region.outer), tuple(smooth(hole) for hole in region.holes))
+    loops = [_straightened(loop.flatten(), tips, SIMPLIFY_PART * tolerance_mm) for loop in region.loops]
+    kept = np.concatenate([kept for _, kept in loops])
+    outer, *holes = _bent(Rings.of([corners for corners, _ in loops]), kept, tolerance_mm)
+    return Region(outer, tuple(holes))
 
 
 def _straightened(corners: Points, tips: Sequence[Point], tolerance_mm: float) -> tuple[Points, Flags]:
@@ -103,7 +125,9 @@ def _straightened(corners: Points, tips: Sequence[Point], tolerance_mm: float) -
 
     low, high = corners.min(axis=0) - LEAST_MM, corners.max(axis=0) + LEAST_MM
     near = [tip for tip in tips if (low <= tip).all() and (tip <= high).all()]
-    under = sorted({k for tip in near if (k := edge_under(tip, corners, after(corners))) is not None})
+    under = sorted(
+        {k for tip in near if (k := edge_under(tip, corners, np.roll(corners, -1, axis=0))) is not None}
+    )
     if not under:
         ring = shapely.simplify(shapely.Polygon(corners), tolerance_mm)
         found = shapely.get_coordinates(ring)[:-1]
@@ -122,51 +146,22 @@ def _straightened(corners: Points, tips: Sequence[Point], tolerance_mm: float) -
     return np.concatenate(chains), np.concatenate(kept)
 
 
-def _bent(corners: Points, kept: Flags, tolerance_mm: float) -> Loop:
-    edges = after(corners) - corners
-    lengths = np.hypot(edges[:, 0], edges[:, 1])
-    along = edges / lengths[:, None]
-    arriving = before(along)
-    turn = np.abs(
-        np.arctan2(arriving[:, 0] * along[:, 1] - arriving[:, 1] * along[:, 0], (arriving * along).sum(1))
-    )
+def _bent(rings: Rings, kept: Flags, tolerance_mm: float) -> list[Loop]:
+    along, lengths, turn = _course(rings)
+    turn = np.abs(turn)
     # A quadratic arc over cuts c passes its corner at c·sin(φ/2)/2.
     bow = np.maximum(np.sin(turn / 2), 1e-9)
-    room = np.minimum(lengths, before(lengths)) / 2
+    room = np.minimum(lengths, rings.before(lengths)) / 2
     cut = np.minimum(2 * (1 - SIMPLIFY_PART) * tolerance_mm / bow, room)
     cut[kept | (turn > SMOOTH_TURN_RAD) | (turn < STRAIGHT_TURN_RAD)] = 0.0
-    cut = _without_remnants(cut, lengths)
+    cut = _without_remnants(rings, cut, lengths)
     cut[cut < LEAST_EDGE_MM / 10] = 0.0
-    segments: list[Segment] = []
-    for k in range(len(corners)):
-        corner = corners[k]
-        start, end = corner - arriving[k] * cut[k], corner + along[k] * cut[k]
-        if cut[k] > 0:
-            c1, c2 = start + (corner - start) * 2 / 3, end + (corner - end) * 2 / 3
-            segments.append(Bezier(_point(start), _point(c1), _point(c2), _point(end)))
-        following = (k + 1) % len(corners)
-        to = corners[following] - along[k] * cut[following]
-        if math.dist(end, to) > LEAST_MM:
-            segments.append(Line(_point(end), _point(to)))
-    return Loop(tuple(_closed(segments)))
+    starts, ends, gone = _joints(rings, along, lengths, cut)
+    inner = (starts + (rings.points - starts) * 2 / 3, ends + (rings.points - ends) * 2 / 3)
+    joints = zip(cut > 0, *(_tuples(p) for p in (starts, *inner, ends)), strict=True)
+    curves = [Bezier(start, c1, c2, end) if bent else None for bent, start, c1, c2, end in joints]
+    return _chained(rings, curves, starts, ends, gone)
 
 
-def _closed(segments: list[Segment]) -> list[Segment]:
-    """Each segment made to start exactly where the one before ends."""
-    closed: list[Segment] = []
-    for k, segment in enumerate(segments):
-        end = segments[(k + 1) % len(segments)].start
-        match segment:
-            case Line(start, _):
-                closed.append(Line(start, end))
-            case Arc(start, _, centre, ccw):
-                closed.append(Arc(start, end, centre, ccw))
-            case Bezier(start, c1, c2, _):
-                closed.append(Bezier(start, c1, c2, end))
-            case _:
-                closed.append(segment)
-    return closed
-
-
-def _point(p: np.ndarray) -> Point:
-    return float(p[0]), float(p[1])
+def _tuples(points: Points) -> list[Point]:
+    return list(zip(points[:, 0].tolist(), points[:, 1].tolist(), strict=True))

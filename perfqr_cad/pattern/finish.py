@@ -13,13 +13,14 @@ from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.draft import Draft, strip
 from perfqr_cad.pattern.dress import filleted, smoothed
 from perfqr_cad.pattern.front import joined, regions
-from perfqr_cad.pattern.lattice import Cells, Labels, Lattice, sharpened, trace
-from perfqr_cad.pattern.outline import Loop, Points, Region
+from perfqr_cad.pattern.lattice import Cells, Labels, Lattice
+from perfqr_cad.pattern.outline import Region
 from perfqr_cad.pattern.pattern import Optimality, Pattern
 from perfqr_cad.pattern.rings import front_cells, settled
 from perfqr_cad.pattern.sampling import brightness
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.pattern.style import ROUNDED_RADIUS
+from perfqr_cad.pattern.tracing import Rings, sharpened, trace
 from perfqr_cad.symbol import Matrix, Symbol, readability
 
 if TYPE_CHECKING:
@@ -108,9 +109,9 @@ def numbered_pieces(draft: Draft, web_mm: float) -> Labels | None:
     lattice = draft.lattice
     labels = np.zeros(draft.solid.shape, np.int32)
     for number, piece in enumerate(pieces, start=1):
-        rings = [piece.exterior, *piece.interiors]
-        corners = [[lattice.from_mm((x, y)) for x, y in ring.coords] for ring in rings]
-        cv2.fillPoly(labels, [np.rint(np.array(c) - 0.5).astype(np.int32) for c in corners], (number,))
+        rings = [shapely.get_coordinates(ring) for ring in (piece.exterior, *piece.interiors)]
+        corners = [np.rint(lattice.all_from_mm(ring) - 0.5).astype(np.int32) for ring in rings]
+        cv2.fillPoly(labels, corners, (number,))
         middle = piece.representative_point()
         x, y = lattice.from_mm((middle.x, middle.y))
         labels[int(y), int(x)] = number
@@ -158,29 +159,27 @@ def front_regions(draft: Draft) -> tuple[Region, ...]:
     if draft.slanted:
         found = [Region.from_polygon(piece) for piece in shapely.get_parts(ground(draft, cells))]
         return tuple(sorted(found, key=lambda region: -region.area))
-    loops = [Loop.from_points(points) for points in _drawn_loops(cells, draft.lattice)]
-    outers = [loop for loop in loops if loop.area > 0]
-    holes = [loop for loop in loops if loop.area < 0]
+    rings = drawn_rings(cells, draft.lattice)
+    loops = rings.loops()
+    outers = [loop for loop, area in zip(loops, rings.areas, strict=True) if area > 0]
+    holes = [loop for loop, area in zip(loops, rings.areas, strict=True) if area < 0]
     return regions(outers, [*holes, *draft.shapes])
 
 
 def ground(draft: Draft, cells: Cells | None = None) -> Any:
     """The material as a shapely polygon or several; `cells` stand in for the draft's upright ones."""
     import shapely
-    from shapely.geometry import LinearRing, MultiLineString, Polygon
+    from shapely.geometry import MultiLineString, Polygon
 
     upright = draft.upright if cells is None else cells
-    loops = _drawn_loops(upright, draft.lattice)
-    outers = [k for k, points in enumerate(loops) if _signed_area(points) > 0]
-    if len(outers) == 1:
-        outer = loops.pop(outers[0])
-        shape: Any = Polygon(outer, loops)
-    else:
+    rings = drawn_rings(upright, draft.lattice)
+    shape: Any = rings.polygon()
+    if shape is None:
         try:
-            shape = shapely.build_area(MultiLineString([LinearRing(points) for points in loops]))
+            shape = shapely.build_area(MultiLineString(list(rings.lines)))
         except shapely.errors.GEOSException:  # sharpened corners of two pieces cross: keep their stairs
-            loops = _drawn_loops(upright, draft.lattice, sharp=False)
-            shape = shapely.build_area(MultiLineString([LinearRing(points) for points in loops]))
+            rings = _in_mm(trace(upright), draft.lattice)
+            shape = shapely.build_area(MultiLineString(list(rings.lines)))
     if draft.shapes:
         shape = shapely.difference(shape, shapely.union_all([Polygon(s.flatten()) for s in draft.shapes]))
     if draft.slanted:
@@ -188,23 +187,16 @@ def ground(draft: Draft, cells: Cells | None = None) -> Any:
     return shape
 
 
-def _drawn_loops(cells: Cells, lattice: Lattice, sharp: bool = True) -> list[Points]:
-    """Boundary loops in mm, their stairs sharpened, but for those few that would cut themselves by it."""
+def drawn_rings(cells: Cells, lattice: Lattice) -> Rings:
+    """Boundary rings in mm, their stairs sharpened, but for those few that would cut themselves by it."""
     import shapely
 
     plain = trace(cells)
-    lines = [sharpened(loop) if sharp else loop.astype(np.float64) for loop in plain]
-    sound = shapely.is_valid([shapely.Polygon(loop) for loop in lines])
-    half, scale = lattice.cells / 2, np.array([lattice.cell_mm, -lattice.cell_mm])
-    drawn = [s if ok else p.astype(np.float64) for s, p, ok in zip(lines, plain, sound, strict=True)]
-    outers = [k for k, points in enumerate(drawn) if _signed_area(points) < 0]  # y runs down here
-    if len(outers) == 1:
-        holes = [points for k, points in enumerate(drawn) if k != outers[0]]
-        if not shapely.Polygon(drawn[outers[0]], holes).is_valid:
-            drawn = [points.astype(np.float64) for points in plain]
-    return [(points - half) * scale for points in drawn]
+    sharp = sharpened(plain)
+    drawn = _in_mm(sharp.where(shapely.is_valid(sharp.polygons()), plain), lattice)
+    polygon = drawn.polygon()
+    return drawn if polygon is None or polygon.is_valid else _in_mm(plain, lattice)
 
 
-def _signed_area(points: Points) -> float:
-    x, y = points[:, 0], points[:, 1]
-    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum() / 2)
+def _in_mm(rings: Rings, lattice: Lattice) -> Rings:
+    return Rings(lattice.all_to_mm(rings.points), rings.bounds)

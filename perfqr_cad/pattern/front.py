@@ -6,7 +6,7 @@ edges cut open and the two sides of the bar put in: nothing is traced or united 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -39,12 +39,15 @@ def regions(outers: Sequence[Loop], holes: Sequence[Loop]) -> tuple[Region, ...]
 def joined(front: Sequence[Region], bars: Sequence[Bridge]) -> Region:
     """The front with its recessed bars as material. DesignError when that is not one piece."""
     loops = [loop for region in front for loop in region.loops]
+    outers = [region.outer for region in front]
     if bars:
         outline = _Outline(loops, len(bars))
         for bar in bars:
             outline.join(bar)
-        loops = list(outline.loops())
-    outers = [loop for loop in loops if loop.area > 0]
+        kept, changed = outline.loops()
+        loops = kept + changed
+        known = set(map(id, outers))
+        outers = [loop for loop in kept if id(loop) in known] + [loop for loop in changed if loop.area > 0]
     if len(outers) != 1:
         raise DesignError(
             f"{len(outers)} pieces are left after bridging, 1 is needed:"
@@ -89,8 +92,8 @@ class _Outline:
         self._after[back] = leaving
         self._new += (out, back)
 
-    def loops(self) -> Iterator[Loop]:
-        """Loops that are as they were, then those with a bar."""
+    def loops(self) -> tuple[list[Loop], list[Loop]]:
+        """Loops that are as they were, and those with a bar."""
         seen: set[int] = set()
         changed: list[Loop] = []
         for first in self._new:
@@ -102,8 +105,8 @@ class _Outline:
                 at = self._after[at]
             if chain:
                 changed.append(Loop(tuple(self._segments[k] for k in chain)))
-        yield from (loop for loop, k in zip(self._loops, self._bounds, strict=False) if k not in seen)
-        yield from changed
+        kept = [loop for loop, k in zip(self._loops, self._bounds, strict=False) if k not in seen]
+        return kept, changed
 
     def _add(self, segment: Segment) -> int:
         """Index of a new segment, followed by the next to be added."""

@@ -9,13 +9,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern.outline import Point
+from perfqr_cad.pattern.outline import Point, Points
 
 Cells = NDArray[np.bool_]
 Labels = NDArray[np.int32]
@@ -73,6 +71,14 @@ class Lattice:
         half = self.cells / 2
         return point[0] / self.cell_mm + half, half - point[1] / self.cell_mm
 
+    def all_to_mm(self, points: Points) -> Points:
+        """Millimetres of (k, 2) lattice points."""
+        return (points - self.cells / 2) * (self.cell_mm, -self.cell_mm)
+
+    def all_from_mm(self, points: Points) -> Points:
+        """Lattice coordinates of (k, 2) points in mm."""
+        return points / (self.cell_mm, -self.cell_mm) + self.cells / 2
+
     def symbol_cells(self) -> Cells:
         """View of the cells of the symbol proper, quiet zone left out."""
         edge = self.quiet * self.per_module
@@ -105,8 +111,11 @@ def label(solid: Cells) -> tuple[Labels, int]:
 
 def checkerboards(solid: Cells) -> Indices:
     """(k, 2) x and y of lattice points where solid cells meet at a corner only."""
-    a, b, c, d = solid[:-1, :-1], solid[:-1, 1:], solid[1:, :-1], solid[1:, 1:]
-    rows, columns = np.nonzero((a == d) & (b == c) & (a != b))
+    across = solid[:, 1:] != solid[:, :-1]
+    # Where a change from left to right lasts into the next row, but not the value itself.
+    rows, columns = np.divmod(
+        np.flatnonzero(across[1:] & across[:-1] & (solid[1:, 1:] != solid[:-1, 1:])), solid.shape[1] - 1
+    )
     return np.stack([columns + 1, rows + 1], axis=1)
 
 
@@ -151,87 +160,3 @@ def dilate(corners: Cells, side: int) -> Cells:
 def opened(solid: Cells, side: int) -> Cells:
     """What squares of `side` cells can cover without leaving the solid."""
     return dilate(erode(solid, side), side)
-
-
-def trace(solid: Cells) -> list[Indices]:
-    """Boundary loops as (k, 2) corners in lattice x, y; the solid lies on the left with y up.
-
-    Every vertex is a true corner. Rows of corners pair up into horizontal edges and columns into vertical
-    ones, so a loop is a walk that alternates between the two pairings.
-    """
-    if len(checkerboards(solid)):
-        raise DesignError("solid cells meet at a corner only: join or part them before tracing")
-    padded = np.pad(solid, 1).astype(np.int8)
-    bend = padded[:-1, :-1] - padded[:-1, 1:] - padded[1:, :-1] + padded[1:, 1:]
-    y, x = np.nonzero(bend)
-    across = _paired(np.arange(len(x)))
-    upright_order = np.lexsort((y, x))
-    down = _paired(upright_order)
-    # Every edge is walked so that its solid side is on the left: leftwards where the solid is below.
-    solid_below = padded[y + 1, np.minimum(x, x[across]) + 1] == 1
-    forwards = np.where(solid_below, x > x[across], x < x[across])
-    return _walk(x, y, across, down, forwards)
-
-
-def _paired(order: Indices) -> Indices:
-    """Partner of each corner when corners are taken two by two in the given order."""
-    partner = np.empty(len(order), np.int64)
-    partner[order[0::2]], partner[order[1::2]] = order[1::2], order[0::2]
-    return partner
-
-
-def _walk(x: Indices, y: Indices, across: Indices, down: Indices, forwards: Cells) -> list[Indices]:
-    loops: list[Indices] = []
-    seen = [False] * len(x)
-    over, under = across.tolist(), down.tolist()
-    for first in np.flatnonzero(forwards).tolist():
-        if seen[first]:
-            continue
-        chain: list[int] = []
-        at = first
-        while not seen[at]:
-            seen[at] = True
-            chain += (at, over[at])
-            at = under[over[at]]
-        loops.append(np.stack([x[chain], y[chain]], axis=1))
-    return loops
-
-
-def sharpened(loop: Indices) -> NDArray[np.float64]:
-    """(k, 2) corners of a traced loop whose stairs of single cells are read as 45° edges.
-
-    Every edge becomes a line, a stair one line through the solid's outward corners; corners are where
-    consecutive lines meet. Nothing but 45° edges is drawn in single cells, so nothing else changes.
-    """
-    edge = after(loop) - loop
-    single = np.abs(edge).sum(axis=1) == 1
-    turn = _cross(before(edge), edge)
-    outward = single & before(single) & (turn < 0)  # y runs down
-    outward &= ~(before(outward) | after(outward))  # a bump of one cell is no stair
-    if not outward.any():
-        return loop.astype(np.float64)
-    first, second = after(outward), outward  # the edges before and after an outward corner
-    point = np.where(first[:, None], after(loop), loop)[~second]
-    along = np.where(first[:, None], edge + after(edge), np.sign(edge))[~second]
-    same = (_cross(before(along), along) == 0) & (_cross(along, before(point) - point) == 0)
-    point, along = point[~same], along[~same]
-    origin, towards = before(point), before(along)
-    turning = _cross(towards, along)
-    if len(point) < 3 or not turning.all():
-        return loop.astype(np.float64)
-    reach = _cross(point - origin, along) / turning
-    return origin + reach[:, None] * towards
-
-
-def before(around: NDArray[Any]) -> NDArray[Any]:
-    """For each item of a ring the item before it (`numpy.roll` is ten times slower on short rings)."""
-    return np.concatenate((around[-1:], around[:-1]))
-
-
-def after(around: NDArray[Any]) -> NDArray[Any]:
-    """For each item of a ring the item after it."""
-    return np.concatenate((around[1:], around[:1]))
-
-
-def _cross(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

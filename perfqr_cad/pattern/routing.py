@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, pairwise
 from typing import Any
 
@@ -20,6 +21,7 @@ from perfqr_cad.pattern.lattice import Cells, Indices, Labels, discs
 Field = NDArray[np.float64]
 
 MOST_STAR_WORK = 40_000_000  # islands times positions: beyond about a second only pairs are candidates
+ISLANDS_AT_ONCE = 16  # searches for arms that share one call, and its memory
 PRICE_TOL = 1e-9  # two prices closer than this are equal
 
 
@@ -77,22 +79,37 @@ def brush_positions(size: int, brush: int, step: int) -> Indices:
     return np.arange((-(brush // 2)) % step, size - brush + 1, step)
 
 
-def brush_grid(solid: Cells, labels: Labels, price: Field, brush: int, step: int) -> BrushGrid:
-    """The brush grid of a lattice; `price` is per cell, and counts in void cells only."""
-    size = solid.shape[0]
-    at = brush_positions(size, brush, step)
-    inside = discs(solid, brush)[np.ix_(at, at)]
+def held_positions(solid: Cells, brush: int, step: int) -> Cells:
+    """(k, k) brush positions whose inscribed disc is solid."""
+    at = brush_positions(solid.shape[0], brush, step)
+    return discs(solid, brush)[np.ix_(at, at)]
+
+
+def brush_grid(labels: Labels, held: Cells, price: Field, brush: int, step: int) -> BrushGrid:
+    """The brush grid of a lattice; `price` is per cell, 0 where it is solid."""
+    at = brush_positions(len(labels), brush, step)
     middle = at + brush // 2
-    island = np.where(inside, labels[np.ix_(middle, middle)], 0).astype(np.int32)
-    total = np.zeros((size + 1, size + 1))
-    np.cumsum(np.cumsum(np.where(solid, 0.0, price), axis=0), axis=1, out=total[1:, 1:])
+    island = np.where(held, labels[np.ix_(middle, middle)], 0).astype(np.int32)
+    edges = np.unique(np.concatenate([[0], at, at + brush]))
+    total = _prefix_sums(price, edges)
+    first, last = np.searchsorted(edges, at), np.searchsorted(edges, at + brush)
     # A step paints the strip ahead one way and the strip behind the other way: the mean serves both.
-    rows = total[at + brush] - total[at]
-    columns = total[:, at + brush] - total[:, at]
-    left, right = at[:-1], at[1:]
-    across = (rows[:, right + brush] - rows[:, left + brush] + rows[:, right] - rows[:, left]) / 2
-    down = (columns[right + brush] - columns[left + brush] + columns[right] - columns[left]) / 2
+    rows, columns = total[last] - total[first], total[:, last] - total[:, first]
+    both = rows[:, first] + rows[:, last], columns[first] + columns[last]
+    across, down = np.diff(both[0], axis=1) / 2, np.diff(both[1], axis=0) / 2
     return BrushGrid(at, at, island, np.maximum(across, 0), np.maximum(down, 0), brush)
+
+
+def _prefix_sums(values: Field, edges: Indices) -> Field:
+    """(e, e) sum of the values above and left of each pair of edges; the first edge is 0."""
+    from scipy.sparse import csr_array
+
+    cells = int(edges[-1])
+    ones = csr_array((np.ones(cells), np.arange(cells), edges), shape=(len(edges) - 1, values.shape[0]))
+    blocks = ones @ (ones @ values).T  # transposed, between neighbouring edges
+    total = np.zeros((len(edges),) * 2)
+    np.cumsum(np.cumsum(blocks.T, axis=0), axis=1, out=total[1:, 1:])
+    return total
 
 
 class Router:
@@ -139,16 +156,19 @@ class Router:
         from scipy.sparse.csgraph import dijkstra
 
         self._near = np.flatnonzero(self._reach <= limit)
-        self._nearby = self._graph[self._near][:, self._near]
-        islands = np.flatnonzero(self._near >= len(self._steps.alias))
+        first_island = int(np.searchsorted(self._near, len(self._steps.alias)))
+        # No arm need run through a fourth island: without ways into islands, searches stay short.
+        self._nearby = self._graph[self._near][:, self._near[:first_island]]
+        self._nearby.resize((len(self._near),) * 2)
+        islands = np.arange(first_island, len(self._near))
         if len(islands) * len(self._near) > MOST_STAR_WORK:
             return []
-        junctions = int(np.searchsorted(self._near, len(self._steps.alias)))
-        price = np.full((3, junctions), np.inf)
-        owner = np.zeros((3, junctions), np.int64)
-        for island in islands.tolist():
-            arm = dijkstra(self._nearby, indices=island, limit=limit)[:junctions]
-            _insert(price, owner, arm, island)
+        price = np.full((3, first_island), np.inf)
+        owner = np.zeros((3, first_island), np.int64)
+        for some in np.array_split(islands, -(-len(islands) // ISLANDS_AT_ONCE)):
+            arms = dijkstra(self._nearby, indices=some, limit=limit)
+            for island, arm in zip(some.tolist(), arms, strict=True):
+                _insert(price, owner, arm[:first_island], island)
         return self._best_stars(price, owner, pairs)
 
     def _best_stars(self, price: Field, owner: Indices, pairs: Sequence[Route]) -> list[Route]:
@@ -174,16 +194,24 @@ class Router:
         """A star with its arms drawn."""
         from scipy.sparse.csgraph import dijkstra
 
-        at = int(star.arms[0][0, 0])
+        junction = int(star.arms[0][0, 0])
+        start = int(np.searchsorted(self._near, junction))
+        before = dijkstra(self._homewards, indices=start, limit=star.price, return_predecessors=True)[1]
         arms: list[Indices] = []
         for name in star.islands:
-            node = len(self._steps.alias) + int(np.searchsorted(self._steps.names, name))
-            source = int(np.searchsorted(self._near, node))
-            before = dijkstra(self._nearby, indices=source, limit=star.price, return_predecessors=True)[1]
-            full = np.full(self._graph.shape[0], -1, np.int64)
-            full[self._near] = np.where(before >= 0, self._near[np.maximum(before, 0)], -1)
-            arms.append(self._corners(self._steps.trail(at, full)))
+            island = len(self._steps.alias) + int(np.searchsorted(self._steps.names, name))
+            at = int(np.searchsorted(self._near, island))
+            way = [self._steps.entry(int(self._near[before[at]]), island)]
+            while at != start:
+                at = int(before[at])
+                way.append(int(self._near[at]))
+            arms.append(self._corners(way))
         return Route(star.islands, tuple(arms), star.price)
+
+    @cached_property
+    def _homewards(self) -> Any:
+        """The ways of `_nearby` turned round: from positions to islands."""
+        return self._nearby.T.tocsr()
 
     def _corners(self, way: Sequence[int]) -> Indices:
         rows, columns = np.divmod(np.array(way), self._grid.shape[1])
@@ -241,21 +269,25 @@ class _Steps:
 
         low = np.minimum(self.alias[self.start], self.alias[self.end])
         high = np.maximum(self.alias[self.start], self.alias[self.end])
-        order = np.lexsort((self.price, high, low))
         nodes = len(self.alias) + len(self.islands)
-        keep = order[np.unique(low[order] * nodes + high[order], return_index=True)[1]]
-        one_way = csr_array((self.price[keep], (low[keep], high[keep])), shape=(nodes, nodes))
-        return (one_way + one_way.T).tocsr()
+        # Two positions are neighbours once; an island may be left for a position in several ways.
+        landing = np.flatnonzero(high >= len(self.alias))
+        order = landing[np.lexsort((self.price[landing], high[landing], low[landing]))]
+        cheapest = order[np.unique(low[order] * nodes + high[order], return_index=True)[1]]
+        keep = np.concatenate([np.flatnonzero(high < len(self.alias)), cheapest])
+        one, other = low[keep].astype(np.int32), high[keep].astype(np.int32)
+        ends = np.concatenate([one, other]), np.concatenate([other, one])
+        return csr_array((np.tile(self.price[keep], 2), ends), shape=(nodes, nodes))
 
     def trail(self, position: int, before: NDArray[Any]) -> list[int]:
         """Positions from one back to the island that reached it, the first inside the island included."""
         trail = [position]
         while self.alias[trail[-1]] == trail[-1]:
             towards = int(before[trail[-1]])
-            trail.append(towards if towards < len(self.alias) else self._entry(trail[-1], towards))
+            trail.append(towards if towards < len(self.alias) else self.entry(trail[-1], towards))
         return trail
 
-    def _entry(self, position: int, island: int) -> int:
+    def entry(self, position: int, island: int) -> int:
         """The neighbouring position through which an island reached this one most cheaply."""
         row, column = divmod(position, self.grid.shape[1])
         across, down = self.grid.across, self.grid.down

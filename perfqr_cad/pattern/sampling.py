@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,15 +47,29 @@ def sample_weights(per_module: int) -> Field:
     return weights
 
 
-@lru_cache(maxsize=32)
-def blur_weights(modules: int, per_module: int) -> Field:
-    """(modules, cells) weights with which each cell along an axis reaches each module's centre."""
-    edges = np.arange(modules * per_module + 1) / per_module
-    centres = np.arange(modules) + 0.5
-    offsets = np.clip(edges[None, :] - centres[:, None], -REACH, REACH) / (BLUR_SIGMA * math.sqrt(2))
-    weights = np.diff(_erf(offsets), axis=1) / 2
-    weights.setflags(write=False)
-    return weights
+def sampled_part(per_module: int) -> slice:
+    """The cells along a module's edge that are sampled at all."""
+    used = np.flatnonzero(sample_weights(per_module))
+    return slice(int(used[0]), int(used[-1]) + 1)
+
+
+@lru_cache(maxsize=8)
+def blur_weights(modules: int, quiet: int, per_module: int) -> Any:
+    """(modules, cells) sparse weights with which each cell along an axis reaches each module's centre.
+
+    The cells are those of the whole code: blur reaches into the quiet zone.
+    """
+    from scipy.sparse import csr_array
+
+    reach = math.ceil(REACH * per_module)
+    cells = (modules + 2 * quiet) * per_module
+    middle = (np.arange(modules) + quiet) * per_module + per_module // 2
+    offset = np.arange(-reach, reach + 1)
+    mass = _erf(offset / per_module / (BLUR_SIGMA * math.sqrt(2))) / 2
+    at = (middle[:, None] + offset[:-1]).ravel()
+    rows, weights = np.repeat(np.arange(modules), 2 * reach), np.tile(np.diff(mass), modules)
+    inside = (at >= 0) & (at < cells)
+    return csr_array((weights[inside], (rows[inside], at[inside])), shape=(modules, cells))
 
 
 def brightness(lattice: Lattice) -> Field:
@@ -65,17 +80,16 @@ def brightness(lattice: Lattice) -> Field:
 def sampled(cells: Cells, per_module: int) -> Field:
     """(rows, columns) weighted solid part of the centre of each module of a block of whole modules."""
     weights = sample_weights(per_module)
+    part = sampled_part(per_module)
     rows, columns = cells.shape[0] // per_module, cells.shape[1] // per_module
-    along = cells.reshape(rows * per_module, columns, per_module) @ weights
-    return np.einsum("ruc,u->rc", along.reshape(rows, per_module, columns), weights)
+    centres = cells.reshape(rows, per_module, columns, per_module)[:, part, :, part]
+    return np.einsum("ruc,u->rc", centres @ weights[part], weights[part])
 
 
 def blurred(lattice: Lattice) -> Field:
     """(n, n) solid part that a blurred picture shows at each module's centre."""
-    n, u = lattice.modules, lattice.per_module
-    # Blur reaches into the frame, so the whole code is weighed and the quiet zone dropped.
-    weights = blur_weights(n + 2 * lattice.quiet, u)[lattice.quiet : lattice.quiet + n]
-    return weights @ lattice.solid.astype(np.float64) @ weights.T
+    weights = blur_weights(lattice.modules, lattice.quiet, lattice.per_module)
+    return (weights @ (weights @ lattice.solid).T).T
 
 
 def misread_chance(contrast: Field) -> Field:
