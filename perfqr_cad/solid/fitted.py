@@ -24,6 +24,7 @@ from perfqr_cad.pattern.outline import Arc, Line, Segment
 from perfqr_cad.surface.spline import collocation, not_a_knot
 
 from .chart import Column, Level, Trace, Wall
+from .evaluate import evaluator
 from .occ import TOLERANCE_MM, Array, axes, line_2d, spline_curve, spline_curve_2d
 from .ruled import ruled_wall
 from .sampling import positions, sweep
@@ -75,12 +76,14 @@ class Surveyor(Protocol):
 
 @dataclass(frozen=True)
 class _Rung:
-    """Segments of one level as splines: poles (k, n, 3), error (k,), on faces also image poles (k, n, 2)."""
+    """Segments of one level as splines: poles (k, n, 3), error (k,); on faces also image poles (k, n, 2) and
+    how far curves and images are apart there, (k,)."""
 
     level: Level
     poles: Array
     error_mm: Array
-    images: Array | None
+    images: Array | None = None
+    apart_mm: Array | None = None
 
 
 def lay_fitted(
@@ -136,16 +139,19 @@ def _rung(segments: Sequence[Segment], level: Level, wall: Surveyor, pieces: int
     poles = net.to_poles @ laid[:, ::2]
     poles[:, 0], poles[:, -1] = laid[:, 0], laid[:, -1]  # to the bit, so that neighbours meet
     error = np.linalg.norm(net.to_middles @ poles - laid[:, 1::2], axis=2).max(axis=1)
-    images = None
-    if level.on_face:
-        at = uv[:, ::2].reshape(-1, 2)
-        images = net.to_poles @ wall.parameters(at, level.depth_mm).reshape(len(segments), pieces + 1, 2)
-    return _Rung(level, poles, error, images)
+    if not level.on_face:
+        return _Rung(level, poles, error)
+    at = uv[:, ::2].reshape(-1, 2)
+    images = net.to_poles @ wall.parameters(at, level.depth_mm).reshape(len(segments), pieces + 1, 2)
+    drawn = (net.to_middles @ images).reshape(-1, 2)
+    on_surface = evaluator(wall.surface(level.depth_mm))(drawn, 1).reshape(len(segments), pieces, 3)
+    apart = np.linalg.norm(net.to_middles @ poles - on_surface, axis=2).max(axis=1)
+    return _Rung(level, poles, error, images, apart)
 
 
 def _column(stack: tuple[Segment, ...], rungs: list[_Rung], row: int, pieces: int, wall: Surveyor) -> Column:
     net = _net(pieces)
-    traces = tuple(_trace(rung, row, net, wall) for rung in rungs)
+    traces = tuple(_trace(rung, row, net) for rung in rungs)
     walls = tuple(
         _wall(stack[k], stack[k + 1], upper.poles[row], lower.poles[row], net, wall)
         for k, (upper, lower) in enumerate(pairwise(rungs))
@@ -153,22 +159,16 @@ def _column(stack: tuple[Segment, ...], rungs: list[_Rung], row: int, pieces: in
     return Column(traces, walls)
 
 
-def _trace(rung: _Rung, row: int, net: _Net, wall: Surveyor) -> Trace:
-    """The curve, its image, and how far apart the two are on the surface."""
-    poles = rung.poles[row]
-    curve = spline_curve(poles, net.knots, DEGREE)
+def _trace(rung: _Rung, row: int, net: _Net) -> Trace:
+    """The curve and its image on the face."""
+    curve = spline_curve(rung.poles[row], net.knots, DEGREE)
     error = float(rung.error_mm[row])
-    if rung.images is None:
+    if rung.images is None or rung.apart_mm is None:
         return Trace(curve, 0.0, 1.0, None, TOLERANCE_MM + error)
-    image = rung.images[row]
-    surface = wall.surface(rung.level.depth_mm)
-    on_curve, in_image = net.to_middles @ poles, net.to_middles @ image
-    on_surface = [surface.Value(u, v).Coord() for u, v in in_image.tolist()]
-    apart = float(np.linalg.norm(on_curve - on_surface, axis=1).max())
+    image = spline_curve_2d(rung.images[row], net.knots, DEGREE)
     # The greatest distance may lie beside the samples; twice the sampled one bounds a cubic's error curve.
-    return Trace(
-        curve, 0.0, 1.0, spline_curve_2d(image, net.knots, DEGREE), TOLERANCE_MM + 2 * max(error, apart)
-    )
+    slack = TOLERANCE_MM + 2 * max(error, float(rung.apart_mm[row]))
+    return Trace(curve, 0.0, 1.0, image, slack)
 
 
 def _wall(upper: Segment, lower: Segment, above: Array, below: Array, net: _Net, wall: Surveyor) -> Wall:

@@ -57,5 +57,12 @@ class HeightField(Placement):
         normal = np.column_stack([-slopes[0], -slopes[1], np.ones(len(at))])
         return normal / np.linalg.norm(normal, axis=1)[:, None]
 
+    def tangents(self, at: Array, depth_mm: ArrayLike = 0.0) -> tuple[Array, Array]:
+        zu, zv, zuu, zuv, zvv = (self.heights(at, d)[:, 0] for d in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2)))
+        steeper = np.asarray(depth_mm, dtype=np.float64) / np.sqrt(1 + zu * zu + zv * zv)
+        along_u = np.column_stack([np.ones(len(at)), np.zeros(len(at)), zu - steeper * (zu * zuu + zv * zuv)])
+        along_v = np.column_stack([np.zeros(len(at)), np.ones(len(at)), zv - steeper * (zu * zuv + zv * zvv)])
+        return along_u, along_v
+
     def reach_mm(self) -> float:
         return self.half_mm
