@@ -12,19 +12,20 @@ from .shape import Solid
 from .walls import Walls
 
 if TYPE_CHECKING:
-    from .assemble import build, build_region
+    from .assemble import build, build_front, build_region
     from .imported.meshing import mesh_step
     from .step import read_step, write_step
 
 _HOMES = {
     "build": "assemble",
+    "build_front": "assemble",
     "build_region": "assemble",
     "mesh_step": "imported.meshing",
     "read_step": "step",
     "write_step": "step",
 }
 
-__all__ = ["Solid", "Walls", "build", "build_region", "mesh_step", "read_step", "write_step"]
+__all__ = ["Solid", "Walls", "build", "build_front", "build_region", "mesh_step", "read_step", "write_step"]
 
 
 def __getattr__(name: str) -> Any:

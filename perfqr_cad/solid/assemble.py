@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.outline import Region
 from perfqr_cad.surface import Cone, HeightField, Placement, Plane, Revolved
 
@@ -17,7 +19,8 @@ from .occ import EDGE, FACE, SOLID, explore
 from .plane_chart import PlaneChart
 from .proof import check
 from .punch import panel
-from .sections import wells
+from .recess import NoRecess
+from .sections import Sections, sections
 from .shape import LIGHT, Colour, Solid
 from .walls import Walls
 
@@ -40,9 +43,14 @@ def build(
     colour: Colour = LIGHT,
     chord_mm: float = CHORD_MM,
 ) -> Solid:
-    """The part of a pattern, its webs no thinner at the back than the pattern's minimum. Raises
-    `DesignError` for walls that cannot be made, `KernelError` for a bad solid."""
-    return build_region(
+    """The part of a pattern, its webs no thinner at the back than the pattern's minimum; recessed bars are
+    flush where the wall leaves no room before them (`Solid.notes`).
+
+    Raises `DesignError` for walls that cannot be made, `KernelError` for a bad solid.
+    """
+    return build_front(
+        pattern.front,
+        pattern.recessed,
         pattern.region,
         placement,
         walls,
@@ -64,25 +72,58 @@ def build_region(
     chord_mm: float = CHORD_MM,
 ) -> Solid:
     """The part of any region of the pattern plane, mm; otherwise as `build`."""
+    return build_front(
+        (region,),
+        (),
+        region,
+        placement,
+        walls,
+        min_web_mm=min_web_mm,
+        name=name,
+        colour=colour,
+        chord_mm=chord_mm,
+    )
+
+
+def build_front(
+    front: Sequence[Region],
+    bars: Sequence[Bridge],
+    flush: Region,
+    placement: Placement,
+    walls: Walls | None = None,
+    *,
+    min_web_mm: float = 0.0,
+    name: str = "perforated-qr",
+    colour: Colour = LIGHT,
+    chord_mm: float = CHORD_MM,
+) -> Solid:
+    """The part of several pieces joined by recessed bars; `flush` is the region that holds where the bars
+    cannot lie behind the face. Otherwise as `build`."""
     walls = walls or Walls()
     chart = chart_of(placement)
-    stands = wells(region, placement.thickness_mm, walls, chart.whole_circles, min_web_mm)
+    stands, notes = _sections(front, bars, flush, placement.thickness_mm, walls, chart, min_web_mm)
     with occ.kernel("building the solid", "simplify the outline or move the code to a smoother place"):
         shape = panel(stands, chart)
         volume = occ.volume(shape)
-        expected = volume_mm3(stands, placement)
+        expected = volume_mm3(stands.wells, placement)
         if (
             abs(volume - expected) > CURVED_VOLUME_TOL * expected
         ):  # the quick rule is coarse on spline surfaces
             volume = occ.volume(shape, VOLUME_ACCURACY)
-        bbox = occ.bounds(explore(shape, FACE)[:2])  # front and back: walls are ruled between their edges
+        bbox = occ.bounds(explore(shape, FACE)[: stands.pieces + 1])  # walls are ruled between their edges
     triangles = triangulate(
-        stands, placement.thickness_mm, placement.at_depth, chord_mm=chord_mm, flat=placement.is_flat
+        stands.wells,
+        placement.thickness_mm,
+        placement.at_depth,
+        tops=stands.tops,
+        chord_mm=chord_mm,
+        flat=placement.is_flat,
     )
-    through = 0 if walls.depth_mm is not None else len(region.holes)
     exact = placement.is_flat and walls.draft_deg == 0
     limit = FLAT_VOLUME_TOL if exact else CURVED_VOLUME_TOL
-    problems = check(shape, genus=through, expected_volume_mm3=expected, volume_tol=limit, volume_mm3=volume)
+    problems = check(
+        shape, genus=stands.genus, expected_volume_mm3=expected, volume_tol=limit, volume_mm3=volume
+    )
     if not triangles.closed:
         problems = (*problems, "the triangles do not close")
     return Solid(
@@ -95,10 +136,28 @@ def build_region(
         volume_mm3=volume,
         expected_volume_mm3=expected,
         problems=problems,
+        notes=notes,
         bbox_mm=bbox,
         name=name,
         colour=colour,
     )
+
+
+def _sections(
+    front: Sequence[Region],
+    bars: Sequence[Bridge],
+    flush: Region,
+    thickness_mm: float,
+    walls: Walls,
+    chart: Chart,
+    min_web_mm: float,
+) -> tuple[Sections, tuple[str, ...]]:
+    """The loops of the part, and what was made otherwise than asked."""
+    whole = chart.whole_circles
+    try:
+        return sections(front, thickness_mm, walls, whole, bars=bars, min_web_mm=min_web_mm), ()
+    except NoRecess as reason:
+        return sections([flush], thickness_mm, walls, whole, min_web_mm=min_web_mm), (str(reason),)
 
 
 def chart_of(placement: Placement) -> Chart:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from perfqr_cad.pattern.outline import Segment
+from perfqr_cad.pattern.outline import Loop, Segment
 
 from .occ import TOLERANCE_MM, Array
 
@@ -60,11 +60,38 @@ class Level:
 
 
 @dataclass(frozen=True)
+class Well:
+    """One loop followed into the material, which lies to the left of travel.
+
+    loops   one for each level, the uppermost first, with equally many segments
+    levels  their depths: from the front, or from the level of the bars for what stands below it
+    floor   whether the last loop bounds a floor (a blind pocket)
+    piece   which piece of the front face a loop at the front bounds
+    part_of the well from front to back of which this is a storey: curves are fitted to the whole
+    """
+
+    loops: tuple[Loop, ...]
+    levels: tuple[Level, ...]
+    floor: bool = False
+    piece: int = 0
+    part_of: Well | None = None
+
+    def stacks(self) -> list[tuple[Segment, ...]]:
+        """The segments that lie above one another."""
+        return list(zip(*(loop.segments for loop in self.loops), strict=True))
+
+
+@dataclass(frozen=True)
 class Column:
     """What stands on one segment of a loop: its traces level by level, and the walls between them."""
 
     traces: tuple[Trace, ...]
     walls: tuple[Wall, ...]
+
+    def storey(self, first: int, levels: int) -> Column:
+        """The part from one level on."""
+        last = first + levels
+        return Column(self.traces[first:last], self.walls[first : last - 1])
 
 
 class Chart(Protocol):

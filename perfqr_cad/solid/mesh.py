@@ -17,11 +17,12 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.pattern.outline import Segment
+from perfqr_cad.pattern.outline import Point, Segment
 from perfqr_cad.surface import Triangles
 
+from .chart import Well
+from .recess import Top
 from .sampling import positions
-from .sections import Well
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -45,44 +46,78 @@ class Map(Protocol):
 
 @dataclass(frozen=True)
 class Ring:
-    """A flattened well: one (n, 2) polygon for each level, corresponding corner by corner."""
+    """A flattened well: one (n, 2) polygon for each level, corresponding corner by corner.
 
+    pieces  in how many sides each segment of the well's loops is cut, (k,)
+    """
+
+    well: Well
     levels: tuple[Array, ...]
-    depths_mm: tuple[float, ...]
-    floor: bool
+    pieces: Indices
+
+    @property
+    def depths_mm(self) -> tuple[float, ...]:
+        return tuple(level.depth_mm for level in self.well.levels)
 
 
 def triangulate(
-    wells: Sequence[Well], thickness_mm: float, place: Map, *, chord_mm: float = CHORD_MM, flat: bool = False
+    wells: Sequence[Well],
+    thickness_mm: float,
+    place: Map,
+    *,
+    tops: Sequence[Top] = (),
+    chord_mm: float = CHORD_MM,
+    flat: bool = False,
 ) -> Triangles:
     """The closed mesh of a panel: the first well is its rim. `flat` maps need no refinement."""
-    rings = flattened(wells, place, chord_mm, flat)
+    rings = flattened(wells, place, chord_mm, flat, tops)
     mesh = _Mesh(place, chord_mm, flat)
-    columns = [
-        [mesh.ring(level, depth) for level, depth in zip(r.levels, r.depths_mm, strict=True)] for r in rings
-    ]
-    mesh.cap([column[0] for column in columns], [r.levels[0] for r in rings], 0.0, up=True)
-    through = [(column[-1], r.levels[-1]) for column, r in zip(columns, rings, strict=True) if not r.floor]
-    mesh.cap([c for c, _ in through], [p for _, p in through], thickness_mm, up=False)
+    seam = _Seam(tops[0].depth_mm if tops else None, mesh)
+    columns = [[seam.ring(ring, k) for k in range(len(ring.levels))] for ring in rings]
+    for piece in sorted({ring.well.piece for ring in rings}):
+        mouths = [i for i, r in enumerate(rings) if r.well.piece == piece and r.depths_mm[0] != seam.depth_mm]
+        mesh.cap([columns[i][0] for i in mouths], [rings[i].levels[0] for i in mouths], 0.0, up=True)
+    feet = [i for i, r in enumerate(rings) if not r.well.floor and r.depths_mm[-1] != seam.depth_mm]
+    behind = [columns[i][-1] for i in feet], [rings[i].levels[-1] for i in feet]
+    mesh.cap(*behind, thickness_mm, up=False)
     for column, ring in zip(columns, rings, strict=True):
         for upper, lower in pairwise(column):
             mesh.wall(upper, lower)
-        if ring.floor:
+        if ring.well.floor:
             mesh.cap([column[-1][::-1]], [ring.levels[-1][::-1]], ring.depths_mm[-1], up=True)
+    for top in tops:
+        mesh.cap(*seam.around(top), top.depth_mm, up=True)
     return mesh.triangles()
 
 
-def flattened(wells: Sequence[Well], place: Map, chord_mm: float, flat: bool) -> list[Ring]:
+def flattened(
+    wells: Sequence[Well], place: Map, chord_mm: float, flat: bool, tops: Sequence[Top] = ()
+) -> list[Ring]:
     """The wells as polygons whose corresponding sides keep the chord tolerance on every level."""
     pieces = _pieces(wells, place, chord_mm, flat)
+    if tops:
+        _agree(wells, pieces, tops[0].depth_mm)
     rings: list[Ring] = []
     first = 0
     for well in wells:
         counts = pieces[first : first + len(well.loops[0].segments)]
         first += len(counts)
-        levels = tuple(_polygon(loop.segments, counts) for loop in well.loops)
-        rings.append(Ring(levels, tuple(level.depth_mm for level in well.levels), well.floor))
+        rings.append(Ring(well, tuple(_polygon(loop.segments, counts) for loop in well.loops), counts))
     return rings
+
+
+def _agree(wells: Sequence[Well], pieces: Indices, depth_mm: float) -> None:
+    """Cut the segments that meet at a depth, of the walls above and below, in as many pieces."""
+    rows: dict[tuple[Point, Point], list[int]] = {}
+    row = 0
+    for well in wells:
+        for stack in well.stacks():
+            for segment, level in zip(stack, well.levels, strict=True):
+                if level.depth_mm == depth_mm:
+                    rows.setdefault((segment.start, segment.end), []).append(row)
+            row += 1
+    for pair in rows.values():
+        pieces[pair] = pieces[pair].max()
 
 
 def _pieces(wells: Sequence[Well], place: Map, chord_mm: float, flat: bool) -> Indices:
@@ -158,6 +193,46 @@ class _Mesh:
         self._vertices.append(points)
         self._count += len(points)
         return np.arange(self._count - len(points), self._count)
+
+
+class _Seam:
+    """The corners at the level of bar tops, which the walls above and below share."""
+
+    def __init__(self, depth_mm: float | None, mesh: _Mesh) -> None:
+        self.depth_mm = depth_mm
+        self._mesh = mesh
+        self._sides: dict[tuple[Point, Point], tuple[Indices, Array]] = {}
+        self._ends: dict[Point, int] = {}
+
+    def ring(self, ring: Ring, k: int) -> Indices:
+        """Lay a ring; at the level of the tops its corners are new only where no other ring has laid them."""
+        if ring.depths_mm[k] != self.depth_mm:
+            return self._mesh.ring(ring.levels[k], ring.depths_mm[k])
+        starts = np.concatenate([[0], np.cumsum(ring.pieces)])
+        found: list[Indices] = []
+        for segment, a, b in zip(ring.well.loops[k].segments, starts, starts[1:], strict=False):
+            ends = segment.start, segment.end
+            if ends not in self._sides:
+                uv = ring.levels[k][a:b]
+                index = self._mesh.ring(uv, ring.depths_mm[k])
+                index[0] = self._ends.setdefault(segment.start, int(index[0]))
+                self._sides[ends] = index, uv
+            found.append(self._sides[ends][0])
+        return np.concatenate(found)
+
+    def around(self, top: Top) -> tuple[list[Indices], list[Array]]:
+        """Corners and polygon around the top of a bar, as one ring each."""
+        indices: list[Indices] = []
+        polygon: list[Array] = []
+        for segment in top.loop.segments:
+            side = self._sides.get((segment.start, segment.end))
+            if side is None:  # the edge runs the other way round
+                index, uv = self._sides[(segment.end, segment.start)]
+                first = np.array([self._ends[segment.start]])
+                side = np.append(first, index[:0:-1]), np.vstack([segment.start, uv[:0:-1]])
+            indices.append(side[0])
+            polygon.append(side[1])
+        return [np.concatenate(indices)], [np.vstack(polygon)]
 
 
 def delaunay(polygons: Sequence[Array]) -> Indices:

@@ -26,13 +26,12 @@ MOST_TURN_RAD = 1.0  # an arc whose sweep changes more has closed and come out o
 SHARE = 0.5  # a rounded corner that would shrink below this share of its radius keeps the radius instead
 
 
-def widened(loop: Loop, flares: Sequence[float] | Array) -> Loop:
-    """The loop with each segment set back to its left by its own flare, mm.
+def widened(loop: Loop, flares: Sequence[float] | Array, share: float = 1.0) -> Loop:
+    """The loop with each segment set back to its left by its own flare, mm; half-way there by a `share`.
 
     Rounded corners between lines stay tangent; joints that hardly turn take the lesser flare of the two.
-    Where a
-    segment would vanish or turn over, it and its neighbours give way: their flares are halved, in the end
-    dropped.
+    Where a segment would vanish or turn over, it and its neighbours give way: their flares are halved, in the
+    end dropped.
     """
     segments = loop.segments
     n = len(segments)
@@ -41,7 +40,7 @@ def widened(loop: Loop, flares: Sequence[float] | Array) -> Loop:
         moved = _set_back(segments, back)
         bad = [i for i in range(n) if _turned_over(segments[i], moved[i])]
         if not bad:
-            return Loop(tuple(moved))
+            return Loop(tuple(moved if share == 1.0 else _set_back(segments, [share * b for b in back])))
         for i in {(k + step) % n for k in bad for step in REACH}:
             back[i] = back[i] / 2 if attempt < HALVINGS - 2 else 0.0
     return loop

@@ -18,39 +18,23 @@ from OCP.TopoDS import (
 )
 
 from .chart import Chart
-from .occ import FACE, FORWARD, explore
-from .sections import Well
-from .tube import BUILDER, Tube, cap, tubes
+from .occ import FORWARD
+from .sections import Sections
+from .tube import BUILDER, Tube, cap, shell_faces
 
 
-def panel(wells: Sequence[Well], chart: Chart) -> TopoDS_Solid:
-    """A wall of its own: the first well is its rim, the others are its holes."""
-    made = tubes(tuple(wells), chart)
-    front = cap(chart, 0.0, [t.mouth for t in made], outwards=True)
-    feet = [t.foot for t in made if t.foot is not None]
-    back = cap(chart, chart.thickness_mm, feet, outwards=False)
-    return solid_of([front, back, *(face for t in made for face in t.faces)])
+def panel(sections: Sections, chart: Chart) -> TopoDS_Solid:
+    """A wall of its own, whose first well is its rim: a front face for each piece, one back."""
+    made, tops = shell_faces(sections, chart)
+    fronts = [cap(chart, 0.0, wires, outwards=True) for wires in mouths(made)]
+    back = cap(chart, chart.thickness_mm, [t.foot for t in made if t.foot is not None], outwards=False)
+    return solid_of([*fronts, back, *(face for t in made for face in t.faces), *tops])
 
 
-def punch(
-    solid: TopoDS_Shape, front: TopoDS_Face, back: TopoDS_Face | None, wells: Sequence[Well], chart: Chart
-) -> TopoDS_Solid:
-    """The solid with wells sunk from a face of it, to another face of it or to floors of their own.
-
-    `front` and `back` are faces as the solid holds them (`back` None when every well is a pocket);
-    `chart.surface(0)` and `chart.surface(chart.thickness_mm)` must be their surfaces, as
-    `BRep_Tool.Surface_s`
-    gives them. Loops must lie strictly inside both faces and apart: see `proof.check`, which the caller runs.
-    """
-    made = tubes(tuple(wells), chart)
-    faces = [
-        f for f in explore(solid, FACE) if not f.IsSame(front) and not (back is not None and f.IsSame(back))
-    ]
-    faces.append(perforated(front, [t.mouth for t in made], chart.towards_reader(0.0)))
-    if back is not None:
-        feet = [t.foot for t in made if t.foot is not None]
-        faces.append(perforated(back, feet, chart.towards_reader(chart.thickness_mm)))
-    return solid_of([*faces, *(face for t in made for face in t.faces)])
+def mouths(tubes: Sequence[Tube]) -> list[list[TopoDS_Wire]]:
+    """The wires of each piece of the front face."""
+    pieces = sorted({t.piece for t in tubes if t.mouth is not None})
+    return [[t.mouth for t in tubes if t.mouth is not None and t.piece == piece] for piece in pieces]
 
 
 def perforated(face: TopoDS_Face, wires: Sequence[TopoDS_Wire], towards_reader: bool) -> TopoDS_Face:
@@ -78,4 +62,4 @@ def solid_of(faces: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
     return solid
 
 
-__all__ = ["Tube", "panel", "perforated", "punch", "solid_of"]
+__all__ = ["Tube", "panel", "perforated", "solid_of"]

@@ -1,58 +1,75 @@
-"""From a region and its walls to the loops at each depth: where every hole begins, flares and ends."""
+"""From outlines, walls and bars to the loops at each depth: where every hole begins, flares and ends."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern.outline import Arc, Circle, Loop, Region, Segment
+from perfqr_cad.pattern import Bridge
+from perfqr_cad.pattern.outline import Arc, Circle, Loop, Region
 
-from .chart import Level
-from .flare import flares, webs
+from .chart import Level, Well
+from .flare import settled
 from .offset import widened
+from .recess import NoRecess, Top, landings, recessed, top_depth_mm
+from .sampling import Array
 from .walls import Walls
-
-LEAST_WEB_MM = 1e-3  # at the back, where no minimum is asked for: holes must not touch
-HALVINGS = 6  # of the flares beside a web that comes out too thin
-WEB_SLACK = (
-    0.02  # corners of two holes that meet diagonally give way along their mitres, a little more than edges
-)
 
 
 @dataclass(frozen=True)
-class Well:
-    """One loop followed from the front into the material, material to the left of travel.
+class Sections:
+    """What bounds a part: its wells, the first of them its rim, and the tops of its recessed bars.
 
-    loops   one for each level, front first, with equally many segments
-    levels  their depths
-    floor   whether the last loop bounds a floor (a blind pocket); else it lies on the back face
+    pieces  of the front face
+    genus   number of through-holes of the solid; each bar but those that tie a piece on makes one more
     """
 
-    loops: tuple[Loop, ...]
-    levels: tuple[Level, ...]
-    floor: bool = False
-
-    def stacks(self) -> list[tuple[Segment, ...]]:
-        """The segments that lie above one another."""
-        return list(zip(*(loop.segments for loop in self.loops), strict=True))
+    wells: tuple[Well, ...]
+    tops: tuple[Top, ...] = ()
+    pieces: int = 1
+    genus: int = 0
 
 
-def wells(
-    region: Region, thickness_mm: float, walls: Walls, whole_circles: bool, min_web_mm: float = 0.0
-) -> tuple[Well, ...]:
-    """The outer loop, straight from front to back, and then every hole.
+def sections(
+    front: Sequence[Region],
+    thickness_mm: float,
+    walls: Walls,
+    whole_circles: bool,
+    *,
+    bars: Sequence[Bridge] = (),
+    min_web_mm: float = 0.0,
+    rim: bool = True,
+) -> Sections:
+    """The pieces of the front face followed to the back, and the bars that join them there.
 
-    Raises `DesignError` when pockets leave no floor, a lip leaves nothing to flare, or a draft closes an
-    edge.
+    The rim, which is the first piece's outline, stays straight; with `rim` False it is left out, for a wall
+    that goes on beyond the code. Where a draft would leave less than `min_web_mm` of material at the back, it
+    is less.
+
+    Raises `DesignError` when pockets leave no floor, a lip leaves nothing to flare or a draft closes an edge,
+    `NoRecess` where the bars must be flush.
     """
-    outer = _laid(region.outer, whole_circles)
-    rim = Well((outer, outer), (Level(0.0, True), Level(thickness_mm, True)))
-    holes = hole_wells(
-        region.holes, thickness_mm, walls, whole_circles, outer=region.outer, min_web_mm=min_web_mm
-    )
-    return (rim, *holes)
+    if bars and walls.depth_mm is not None:
+        raise NoRecess("the bars are flush with the face: behind pockets there is a floor")
+    reach = walls.reach_mm(thickness_mm)
+    front = [Region(*_laid(region.loops, whole_circles)) for region in front]
+    paths = _paths(front, walls.flare_mm(reach), min_web_mm, rim)[0 if rim else 1 :]
+    depths = [0.0, walls.lip_mm, reach] if walls.draft_deg and walls.lip_mm else [0.0, reach]
+    where = landings([path.loop for path in paths], bars)
+    top = top_depth_mm(bars, thickness_mm) if bars else reach
+    wells: list[Well] = []
+    for i, path in enumerate(paths):
+        if i in where:
+            wells.append(path.well(sorted({*depths, top}), (0.0, top, reach), walls, reach))
+        elif rim and i == 0:
+            wells.append(path.well([0.0, thickness_mm], (0.0, thickness_mm), Walls(), thickness_mm))
+        else:
+            wells.append(path.well(depths, (0.0, reach), walls, reach))
+    joined, tops = recessed(wells, bars, where, top) if bars else (tuple(wells), ())
+    holes = sum(len(region.holes) for region in front) if walls.depth_mm is None else 0
+    return Sections(joined, tops, len(front), holes + len(bars) - (len(front) - 1))
 
 
 def hole_wells(
@@ -61,67 +78,64 @@ def hole_wells(
     walls: Walls,
     whole_circles: bool,
     *,
-    outer: Loop | None = None,
     min_web_mm: float = 0.0,
 ) -> tuple[Well, ...]:
-    """The holes alone, clockwise loops. Where a draft would leave less than `min_web_mm` of material at
-    the back,
-    it is less; `outer` bounds the material, None where it goes on beyond the holes.
-    """
-    reach = walls.reach_mm(thickness_mm)
-    flare = walls.flare_mm(reach)
-    front = [_laid(hole, whole_circles) for hole in holes]
-    if flare == 0:
-        depths: tuple[float, ...] = (0.0, reach)
-        columns = [(hole, hole) for hole in front]
-    else:
-        region = Region(outer or _around(front, 2 * flare + min_web_mm), tuple(front))
-        wide = _flared(region, flare, min_web_mm)
-        lip = walls.lip_mm > 0
-        depths = (0.0, walls.lip_mm, reach) if lip else (0.0, reach)
-        columns = [(hole, hole, w) if lip else (hole, w) for hole, w in zip(front, wide, strict=True)]
-    levels = tuple(Level(d, d in (0.0, reach)) for d in depths)
-    return tuple(Well(loops, levels, walls.depth_mm is not None) for loops in columns)
+    """The holes of one piece alone, clockwise loops; raises as `sections` does."""
+    front = [Region(_around(holes, 0.0), holes)]
+    return sections(front, thickness_mm, walls, whole_circles, min_web_mm=min_web_mm, rim=False).wells
 
 
-def _flared(region: Region, flare_mm: float, min_web_mm: float) -> list[Loop]:
-    """The holes as they are at the back: set back by the flare, or by what the webs and short edges bear.
+@dataclass(frozen=True)
+class _Path:
+    """A loop of the front, and by how much its segments are set back at the far end; None where straight."""
 
-    Raises `DesignError` where no edge can give way at all.
-    """
-    least = max(min_web_mm, LEAST_WEB_MM)
-    front = webs(region, least)
-    back = flares(region, flare_mm, least)
-    wide = [widened(hole, set_back) for hole, set_back in zip(region.holes, back, strict=True)]
-    for attempt in range(HALVINGS):
-        found = webs(Region(region.outer, tuple(wide)), least)
-        # A web that is thinner at the front already cannot be asked to be wider at the back.
-        thin = [f < (1 - WEB_SLACK) * np.minimum(least, g) for f, g in zip(found, front, strict=True)]
-        if not any(t.any() for t in thin):
-            break
-        share = 0.5 if attempt < HALVINGS - 2 else 0.0
-        for k in [k for k, t in enumerate(thin) if t.any()]:
-            back[k] = np.where(thin[k], share * back[k], back[k])
-            wide[k] = widened(region.holes[k], back[k])
-    if wide == list(region.holes) or not Region(region.outer, tuple(wide)).polygon().is_valid:
-        raise DesignError(
-            f"no hole can be flared by up to {flare_mm:.3g} mm with webs of {least:.3g} mm at the back: "
-            "take a smaller draft, a longer lip, a thinner plate or larger modules"
-        )
-    return wide
+    loop: Loop
+    piece: int
+    flares_mm: Array | None
+
+    def well(
+        self, depths_mm: Sequence[float], on_faces_mm: tuple[float, ...], walls: Walls, reach_mm: float
+    ) -> Well:
+        """The loop at some depths of walls that reach so far."""
+        levels = tuple(Level(depth, depth in on_faces_mm) for depth in depths_mm)
+        loops: list[Loop] = []
+        for depth in depths_mm:
+            share = (depth - walls.lip_mm) / (reach_mm - walls.lip_mm)
+            if self.flares_mm is None or share <= 0:
+                loops.append(self.loop)
+            else:
+                loops.append(widened(self.loop, self.flares_mm, share))
+        return Well(tuple(loops), levels, walls.depth_mm is not None, self.piece)
 
 
-def _around(holes: list[Loop], margin_mm: float) -> Loop:
-    """A rectangle well clear of all holes."""
-    corners = np.vstack([hole.flatten() for hole in holes])
+def _paths(front: Sequence[Region], flare_mm: float, min_web_mm: float, rim: bool) -> list[_Path]:
+    """Every loop of the front, outlines before holes; the first outline straight."""
+    loops = [(loop, piece) for piece, region in enumerate(front) for loop in region.loops]
+    flares: list[Array | None] = [None] * len(loops)
+    if flare_mm and len(loops) > 1:
+        outer = front[0].outer
+        if not rim:
+            outer = _around([loop for loop, _ in loops[1:]], 2 * flare_mm + min_web_mm)
+        flares[1:] = settled([Region(outer, front[0].holes), *front[1:]], flare_mm, min_web_mm)
+    return [_Path(loop, piece, back) for (loop, piece), back in zip(loops, flares, strict=True)]
+
+
+def _around(loops: Sequence[Loop], margin_mm: float) -> Loop:
+    """A rectangle well clear of all loops."""
+    corners = np.vstack([loop.flatten() for loop in loops])
     (x0, y0), (x1, y1) = corners.min(axis=0) - 2 * margin_mm - 1, corners.max(axis=0) + 2 * margin_mm + 1
     return Loop.from_points([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
 
 
-def _laid(loop: Loop, whole_circles: bool) -> Loop:
-    """The loop with a lone circle cut in two half-circles, where the chart wants it so."""
+def _laid(loops: Sequence[Loop], whole_circles: bool) -> tuple[Loop, tuple[Loop, ...]]:
+    """The loops, lone circles cut in two half-circles where the chart wants it so; first and others."""
+    first, *others = (loop if whole_circles else _halved(loop) for loop in loops)
+    return first, tuple(others)
+
+
+def _halved(loop: Loop) -> Loop:
     first = loop.segments[0]
-    if whole_circles or not isinstance(first, Circle):
+    if not isinstance(first, Circle):
         return loop
     (cx, cy), r = first.centre, first.radius
     right, left = (cx + r, cy), (cx - r, cy)

@@ -27,6 +27,7 @@ class Solid:
     expected_volume_mm3  from the outline and the surface, without the modeller; None where there is no
     such figure
     bbox_mm              least and greatest corner
+    notes                what was made otherwise than asked, and why
     extras               further solids of the same part, such as a backing plate
     """
 
@@ -40,6 +41,7 @@ class Solid:
     bbox_mm: tuple[Corner, Corner]
     expected_volume_mm3: float | None = None
     problems: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     name: str = "perforated-qr"
     colour: Colour = LIGHT
     extras: tuple[Solid, ...] = ()

@@ -9,7 +9,7 @@ always to the right of travel, for the rim and for every hole alike.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -19,9 +19,12 @@ from OCP.gp import gp_Dir
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Vertex, TopoDS_Wire
 
-from .chart import Chart, Column, Trace, Wall
+from perfqr_cad.pattern.outline import Point
+
+from .chart import Chart, Column, Trace, Wall, Well
 from .occ import FORWARD, REVERSED, TOLERANCE_MM, Array, pnt
-from .sections import Well
+from .recess import Top
+from .sections import Sections
 
 BUILDER = BRep_Builder()
 NOWHERE = TopLoc_Location()
@@ -31,50 +34,103 @@ NOWHERE = TopLoc_Location()
 class Tube:
     """What a well adds to a shell.
 
-    mouth  its wire in the front face, in the direction of travel
-    foot   its wire in the back face, in the direction of travel; None for a blind pocket
+    mouth  its wire in the front face, in the direction of travel; None where it begins below a bar's top
+    foot   its wire in the back face, in the direction of travel; None where it ends on a floor or a top
     faces  walls and, for a pocket, its floor; oriented outward
+    piece  the piece of the front face that the mouth bounds
     """
 
-    mouth: TopoDS_Wire
+    mouth: TopoDS_Wire | None
     foot: TopoDS_Wire | None
     faces: tuple[TopoDS_Face, ...]
+    piece: int = 0
 
 
-def tube(well: Well, chart: Chart) -> Tube:
-    """Stand the walls of a well on its loops."""
-    return _stand(well, chart, chart.lay(well.stacks(), well.levels))
+@dataclass(frozen=True)
+class Seam:
+    """Corners and edges at the level of bar tops, where the walls above and below meet; by their pattern
+    points."""
+
+    depth_mm: float
+    vertices: dict[Point, TopoDS_Vertex] = field(default_factory=dict[Point, TopoDS_Vertex])
+    edges: dict[tuple[Point, Point], tuple[TopoDS_Edge, Trace]] = field(
+        default_factory=dict[tuple[Point, Point], tuple[TopoDS_Edge, Trace]]
+    )
+
+    def vertex(self, at: Point, p: Array, tolerance_mm: float) -> TopoDS_Vertex:
+        if at not in self.vertices:
+            self.vertices[at] = _vertex(p, tolerance_mm)
+        BUILDER.UpdateVertex(self.vertices[at], tolerance_mm)  # never lowers it
+        return self.vertices[at]
+
+    def edge(self, start: Point, end: Point, trace: Trace) -> TopoDS_Edge:
+        if (start, end) not in self.edges:
+            self.edges[start, end] = _edge(trace, self.vertices[start], self.vertices[end]), trace
+        return self.edges[start, end][0]
+
+    def top(self, top: Top, chart: Chart) -> TopoDS_Face:
+        """The face of a bar, on edges of the walls around it."""
+        edges: list[TopoDS_Edge] = []
+        for segment in top.loop.segments:
+            ahead = (segment.start, segment.end) in self.edges
+            edge, trace = self.edges[(segment.start, segment.end) if ahead else (segment.end, segment.start)]
+            _draw(chart.surface(top.depth_mm), [edge], [trace])
+            edges.append(edge if ahead else TopoDS.Edge_s(edge.Reversed()))
+        return cap(chart, top.depth_mm, [_wire(edges)], outwards=True)
 
 
-def tubes(wells: tuple[Well, ...], chart: Chart) -> list[Tube]:
+def shell_faces(sections: Sections, chart: Chart) -> tuple[list[Tube], list[TopoDS_Face]]:
+    """The walls of all wells, and the tops of the bars between them."""
+    if not sections.tops:
+        return tubes(sections.wells, chart), []
+    seam = Seam(sections.tops[0].depth_mm)
+    made = tubes(sections.wells, chart, seam)
+    return made, [seam.top(top, chart) for top in sections.tops]
+
+
+def tubes(wells: tuple[Well, ...], chart: Chart, seam: Seam | None = None) -> list[Tube]:
     """The walls of many wells. Wells of equal levels are laid together: a chart works on arrays."""
     columns: dict[int, list[Column]] = {}
     by_levels: dict[tuple[object, ...], list[int]] = {}
     for i, well in enumerate(wells):
-        by_levels.setdefault(well.levels, []).append(i)
-    for members in by_levels.values():
-        stacks = [stack for i in members for stack in wells[i].stacks()]
-        laid = iter(chart.lay(stacks, wells[members[0]].levels))
+        by_levels.setdefault(_whole(well).levels, []).append(i)
+    for levels, members in by_levels.items():
+        stacks = [stack for i in members for stack in _whole(wells[i]).stacks()]
+        laid = iter(chart.lay(stacks, _whole(wells[members[0]]).levels))
         for i in members:
-            columns[i] = [next(laid) for _ in wells[i].loops[0].segments]
-    return [_stand(well, chart, columns[i]) for i, well in enumerate(wells)]
+            first, count = levels.index(wells[i].levels[0]), len(wells[i].levels)
+            columns[i] = [next(laid).storey(first, count) for _ in wells[i].loops[0].segments]
+    return [_stand(well, chart, columns[i], seam) for i, well in enumerate(wells)]
 
 
-def _stand(well: Well, chart: Chart, columns: list[Column]) -> Tube:
+def _whole(well: Well) -> Well:
+    return well.part_of or well
+
+
+def _stand(well: Well, chart: Chart, columns: list[Column], seam: Seam | None) -> Tube:
     n = len(columns)
     corners = [
         chart.points(np.array([s.start for s in loop.segments]), level.depth_mm)
         for loop, level in zip(well.loops, well.levels, strict=True)
     ]
     slack = max(trace.tolerance_mm for column in columns for trace in column.traces)
-    vertices = [[_vertex(p, slack) for p in ring] for ring in corners]
-    rings = [
-        [_edge(columns[i].traces[k], row[i], row[(i + 1) % n]) for i in range(n)]
-        for k, row in enumerate(vertices)
-    ]
-    for k, level in enumerate(well.levels):
-        if level.on_face:
-            _draw(chart.surface(level.depth_mm), rings[k], [column.traces[k] for column in columns])
+    vertices: list[list[TopoDS_Vertex]] = []
+    rings: list[list[TopoDS_Edge]] = []
+    for k, (loop, level) in enumerate(zip(well.loops, well.levels, strict=True)):
+        traces = [column.traces[k] for column in columns]
+        if seam is not None and level.depth_mm == seam.depth_mm:
+            starts = [s.start for s in loop.segments]
+            row = [seam.vertex(start, p, slack) for start, p in zip(starts, corners[k], strict=True)]
+            ring = [
+                seam.edge(a, b, t) for a, b, t in zip(starts, starts[1:] + starts[:1], traces, strict=True)
+            ]
+        else:
+            row = [_vertex(p, slack) for p in corners[k]]
+            ring = [_edge(trace, row[i], row[(i + 1) % n]) for i, trace in enumerate(traces)]
+            if level.on_face:
+                _draw(chart.surface(level.depth_mm), ring, traces)
+        vertices.append(row)
+        rings.append(ring)
     faces: list[TopoDS_Face] = []
     for k, (upper, lower) in enumerate(pairwise(range(len(rings)))):
         sides = [
@@ -86,10 +142,15 @@ def _stand(well: Well, chart: Chart, columns: list[Column]) -> Tube:
         for i in range(n):
             j = (i + 1) % n
             faces.append(_wall(columns[i].walls[k], rings[upper][i], rings[lower][i], sides[i], sides[j]))
-    mouth, foot = _wire(rings[0]), _wire(rings[-1])
-    if not well.floor:
-        return Tube(mouth, foot, tuple(faces))
-    return Tube(mouth, None, (*faces, _floor(chart, well.levels[-1].depth_mm, foot)))
+
+    def outline(k: int) -> TopoDS_Wire | None:
+        on_seam = seam is not None and well.levels[k].depth_mm == seam.depth_mm
+        return None if on_seam else _wire(rings[k])
+
+    mouth, foot = outline(0), outline(-1)
+    if well.floor and foot is not None:
+        faces.append(_floor(chart, well.levels[-1].depth_mm, foot))
+    return Tube(mouth, None if well.floor else foot, tuple(faces), well.piece)
 
 
 def _vertex(p: Array, tolerance_mm: float) -> TopoDS_Vertex:

@@ -15,7 +15,7 @@ from perfqr_cad.solid.chart import Level
 from perfqr_cad.solid.imported.body import Array, Body
 from perfqr_cad.solid.imported.lay import Laid, Projected
 from perfqr_cad.solid.imported.removed import quadrature
-from perfqr_cad.solid.imported.survey import probe
+from perfqr_cad.solid.imported.probe import probe
 from perfqr_cad.solid.mesh import triangulate
 from perfqr_cad.solid.sections import Well
 from perfqr_cad.solid.walls import Walls
@@ -39,7 +39,7 @@ def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> To
     from perfqr_cad.solid.occ import direction, pnt
     from perfqr_cad.solid.plane_chart import PlaneChart
     from perfqr_cad.solid.punch import panel
-    from perfqr_cad.solid.sections import wells
+    from perfqr_cad.solid.sections import sections
 
     uv = hole.flatten()
     points = laid.point(uv)
@@ -51,7 +51,7 @@ def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> To
         float((front - met.wall_mm).min()) - margin if depth_mm is None else float(front.min()) - depth_mm
     )
     plate = PlaneChart(Plane(top - bottom))
-    block = panel(wells(Region(hole.oriented(ccw=True)), top - bottom, Walls(), True), plate)
+    block = panel(sections([Region(hole.oriented(ccw=True))], top - bottom, Walls(), True), plate)
     e1, _, n = laid.frame_at_centre.axes
     place = gp_Trsf()
     foot = laid.frame_at_centre.to_space([[0.0, 0.0, bottom]])[0]
@@ -67,7 +67,7 @@ def carved_mesh(body: Body, wells: Sequence[Well], laid: Laid) -> Triangles:
     import manifold3d
 
     solid = manifold_of(body.triangles)
-    result = solid - manifold3d.Manifold.compose([_tool(body, well, laid) for well in wells])
+    result = solid - manifold3d.Manifold.compose(_tools(body, wells, laid))
     if result.status() != manifold3d.Error.NoError:
         raise KernelError(f"carving the mesh failed in manifold3d ({result.status().name}): move the code")
     before, after = len(solid.decompose()), len(result.decompose())
@@ -78,19 +78,29 @@ def carved_mesh(body: Body, wells: Sequence[Well], laid: Laid) -> Triangles:
     return triangles_of(result)
 
 
-def _tool(body: Body, well: Well, laid: Laid) -> Manifold:
-    """One hole as a closed mesh that stands out of the wall on both sides (a pocket: only in front)."""
-    hole = well.loops[0]
-    uv = np.vstack([hole.flatten(SAMPLE_MM), quadrature([hole])[0]])
-    lines, frames = laid.line(uv)
+def _tools(body: Body, wells: Sequence[Well], laid: Laid) -> list[Manifold]:
+    """Each hole as a closed mesh that stands out of the wall on both sides (a pocket: only in front)."""
+    feelers = [np.vstack([w.loops[0].flatten(SAMPLE_MM), quadrature([w.loops[0]])[0]]) for w in wells]
+    lines, frames = laid.line(np.vstack(feelers))
     met = probe(body, lines, frames[:, 2])
-    wall = float(np.nanmax(met.wall_mm))
+    front = lines + met.offset_mm[:, None] * frames[:, 2]
+    splits = np.cumsum([len(uv) for uv in feelers])[:-1]
+    by_well = zip(*(np.split(felt, splits) for felt in (front, met.offset_mm, met.wall_mm)), strict=True)
+    return [
+        _tool(well, laid, front, offset, wall, body.faceted)
+        for well, (front, offset, wall) in zip(wells, by_well, strict=True)
+    ]
+
+
+def _tool(well: Well, laid: Laid, front: Array, offset_mm: Array, wall_mm: Array, faceted: bool) -> Manifold:
+    """One hole, from what was felt under it: front points (k, 3), their offset from the map, and the wall."""
+    wall = float(np.nanmax(wall_mm))
     margin = CLEARANCE * wall
     straight = len(well.loops) == 2 and well.loops[0] == well.loops[1]
     if isinstance(laid, Projected) and straight and not well.floor:
-        return _straight_tool(hole, laid, lines + met.offset_mm[:, None] * frames[:, 2], met.wall_mm, margin)
+        return _straight_tool(well.loops[0], laid, front, wall_mm, margin)
     # A flared through-hole goes on straight from the nominal back to the far end of an uneven wall.
-    proud = margin + float(np.nanmax(np.abs(met.offset_mm)))
+    proud = margin + float(np.nanmax(np.abs(offset_mm)))
     depths, loops = [level.depth_mm for level in well.levels], list(well.loops)
     if not well.floor:
         depths.append(max(wall, depths[-1]) + proud)
@@ -101,7 +111,7 @@ def _tool(body: Body, well: Well, laid: Laid) -> Manifold:
         return laid.at_depth(uv, depth_mm - proud)
 
     rim = Well(tuple(loop.reversed() for loop in loops), levels)
-    return manifold_of(triangulate([rim], levels[-1].depth_mm, place, flat=body.faceted))
+    return manifold_of(triangulate([rim], levels[-1].depth_mm, place, flat=faceted))
 
 
 def _straight_tool(hole: Loop, laid: Projected, front: Array, wall_mm: Array, margin: float) -> Manifold:

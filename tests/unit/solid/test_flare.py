@@ -70,12 +70,12 @@ def test_webs_keep_their_least_width() -> None:
     """A web of 1 mm between two squares: half of what it has over 0.8 mm on either side, the rest
     untouched."""
     region = Region(OUTER, (square(-2.5, 0, 2), square(2.5, 0, 2)))
-    left, _ = flares(region, 0.35, 0.8)
+    left, _ = flares([region], 0.35, 0.8)
     assert sorted(left.tolist()) == pytest.approx([0.1, 0.35, 0.35, 0.35])
     back = Region(
-        OUTER, tuple(widened(h, f) for h, f in zip(region.holes, flares(region, 0.35, 0.8), strict=True))
+        OUTER, tuple(widened(h, f) for h, f in zip(region.holes, flares([region], 0.35, 0.8), strict=True))
     )
-    assert min(w.min() for w in webs(back, 1.0)) == pytest.approx(0.8)
+    assert min(w.min() for w in webs([back], 1.0)) == pytest.approx(0.8)
     solid = build_region(region, Plane(2.0), Walls(draft_deg=10.0), min_web_mm=0.8)
     assert solid.valid
 

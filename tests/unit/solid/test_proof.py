@@ -15,7 +15,7 @@ from perfqr_cad.solid.occ import FACE, VERTEX, explore
 from perfqr_cad.solid.plane_chart import PlaneChart
 from perfqr_cad.solid.proof import check
 from perfqr_cad.solid.punch import panel, solid_of
-from perfqr_cad.solid.sections import wells
+from perfqr_cad.solid.sections import sections
 from perfqr_cad.solid.tube import BUILDER
 from perfqr_cad.solid.walls import Walls
 from perfqr_cad.surface import Cylinder, Plane
@@ -36,7 +36,7 @@ def dot(x: float, y: float, radius: float) -> Loop:
 def plate(*holes: Loop, outer: Loop = OUTER) -> TopoDS_Solid:
     """A plate by direct topology, whether or not its loops make sense."""
     chart = PlaneChart(Plane(2.0))
-    return panel(wells(Region(outer, holes), 2.0, Walls(), True), chart)
+    return panel(sections([Region(outer, holes)], 2.0, Walls(), True), chart)
 
 
 def lacking_a_face() -> TopoDS_Solid:
