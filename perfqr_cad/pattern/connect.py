@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -29,7 +30,7 @@ CENTRE_PRICE = 4.0  # expected misread modules for painting over the whole sampl
 FINDER_PRICE = 8.0  # expected misread modules for painting over a module that a reader finds the code by
 QUIET_PRICE = 8.0  # expected misread modules for a module's area of material in a void quiet zone
 LENGTH_PRICE = 1e-3  # of the area price: of two routes that cost the same, the shorter
-STEPS_PER_MODULE = 4
+LEAST_STEPS, MOST_STEPS = 4, 16  # of the brush along a module
 CONFLICT_ROUNDS = 6  # of the solver that share the time limit
 MOST_CONFLICTS = 200  # then what was found is taken
 STAR_QUANTILE = 0.5  # of the tree's prices: no arm of a junction is dearer
@@ -92,8 +93,12 @@ def _least_loss(
 
 
 def brush_step(per_module: int, scale: int) -> int:
-    """Cells between brush positions: half a dot of the art, within an eighth and a quarter of a module."""
-    return min(max(per_module // (2 * scale), per_module // 8), per_module // STEPS_PER_MODULE)
+    """Cells between brush positions: half a dot of the art, so that every dot has one at its middle.
+
+    Of finer art so many halves as make the least step, of coarser art the greatest step.
+    """
+    half = per_module // (2 * scale)
+    return min(half * math.ceil(per_module / MOST_STEPS / half), per_module // LEAST_STEPS)
 
 
 def stand_on_grid(
@@ -119,8 +124,13 @@ def stand_on_grid(
     first = order[np.unique(labels[ys, xs][order], return_index=True)[1]]
     widened, labels = np.zeros_like(draft.solid), labels.copy()
     for y, x in zip(ys[first].tolist(), xs[first].tolist(), strict=True):
-        left, top = (int(at[np.abs(at + brush // 2 - k).argmin()]) for k in (x, y))
-        square = np.s_[min(y, top) : max(y + 1, top + brush), min(x, left) : max(x + 1, left + brush)]
+        # The brush where the island is deepest, and at the nearest position: a web all the way.
+        (left, right), (top, bottom) = (
+            (min(k - brush // 2, near), max(k - brush // 2, near) + brush)
+            for k in (x, y)
+            for near in (int(at[np.abs(at + brush // 2 - k).argmin()]),)
+        )
+        square = np.s_[max(top, 0) : bottom, max(left, 0) : right]
         widened[square] = True
         labels[square] = labels[y, x]
     draft = draft.with_cells(widened, solid=True).counted(webs_grown=len(first))
