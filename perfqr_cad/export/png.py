@@ -64,7 +64,7 @@ def picture(design: DesignView, width: int, height: int) -> NDArray[np.uint8]:
 
 def _seen_by_reader(mesh: Triangles, placement: Placement) -> Triangles:
     """The mesh turned so that at the code's centre x is right, y is up and z is towards the reader."""
-    return Triangles(mesh.vertices @ placement.frame([[0.0, 0.0]])[0].T, mesh.faces)
+    return Triangles(mesh.vertices @ placement.reader_axes().T, mesh.faces)
 
 
 def _camera(points: NDArray[Any], lies: bool, aspect: float) -> Camera:

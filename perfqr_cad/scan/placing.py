@@ -64,8 +64,7 @@ def place(
     if placement is None:
         centre, axes = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]]), np.eye(3)
     else:
-        origin = np.zeros((1, 2))
-        centre, axes = placement.point(origin)[0], placement.frame(origin)[0]
+        centre, axes = placement.point((0.0, 0.0))[0], placement.reader_axes()
     edge = edge_mm if edge_mm is not None else float((high - low)[:2].max())
     part = Part(vertices, faces, Target(centre, axes, edge), flat=False, behind=behind)
     level = behind is None and (placement is None or placement.is_flat)

@@ -72,7 +72,7 @@ class DistortionLimit:
                takes the module size from the finders), so a module may not stray by half its pitch over
                the code.
     shear_deg  departure of a module's corners from a right angle.
-    tilt_deg   angle between the surface and the surface at the code's centre: a flat print is read at up to
+    tilt_deg   angle between the surface and the reader's axis: a flat print is read at up to
                50°, not beyond (measured on eight codes of version 8).
     """
 
@@ -135,6 +135,13 @@ class Placement(ABC):
         along_u /= np.linalg.norm(along_u, axis=1)[:, None]
         return np.asarray(np.stack([along_u, np.cross(normal, along_u), normal], axis=1), np.float64)
 
+    def reader_axes(self) -> Array:
+        """Axes (3, 3) of the reader straight before the code: rows right, up, and towards the reader.
+
+        The surface's own at the code's centre, unless the code is projected along another direction.
+        """
+        return self.frame((0.0, 0.0))[0]
+
     def volume_density(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
         """Material volume per pattern area and depth, (k,): the Jacobian of `at_depth`."""
         at = pairs(uv)
@@ -158,7 +165,7 @@ class Placement(ABC):
         area = np.abs(np.linalg.norm(np.cross(along_u, along_v), axis=1) - 1)
         sine = np.einsum("ki,ki->k", along_u, along_v) / lengths
         shear = np.degrees(np.abs(np.arcsin(np.clip(sine, -1, 1))))
-        tilt = np.degrees(np.arccos(np.clip(self.normal(grid) @ self.normal((0.0, 0.0))[0], -1, 1)))
+        tilt = np.degrees(np.arccos(np.clip(self.normal(grid) @ self.reader_axes()[2], -1, 1)))
         return Distortion(
             *(float(x) for x in (area.max(), area.mean(), shear.max(), shear.mean(), tilt.max()))
         )

@@ -21,8 +21,8 @@ from perfqr_cad.solid.imported.body import Array
 from perfqr_cad.solid.imported.face_chart import chart_between
 from perfqr_cad.solid.imported.host import Host
 from perfqr_cad.solid.imported.lay import Laid, Projected
+from perfqr_cad.solid.imported.probe import probe
 from perfqr_cad.solid.imported.removed import removed_mm3
-from perfqr_cad.solid.imported.survey import probe
 from perfqr_cad.solid.imported.tool import carved_mesh, prism
 from perfqr_cad.solid.proof import check
 from perfqr_cad.solid.punch import perforated, solid_of

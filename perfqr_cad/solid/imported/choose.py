@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.solid.imported.body import Array
-from perfqr_cad.solid.imported.survey import COARSE, Frame, Survey, largest_below, survey
+from perfqr_cad.solid.imported.survey import (
+    COARSE,
+    Frame,
+    Survey,
+    frame_at,
+    largest_below,
+    survey,
+    surveys,
+)
 
 if TYPE_CHECKING:
     from perfqr_cad.solid.imported.host import Host
@@ -55,18 +63,23 @@ def place(host: Host, wish: Wish, size_mm: float, problem: Problem) -> Survey:
 
 
 def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wish: Wish) -> Survey:
+    """The largest face that takes the code, alone or with the faces it runs smoothly into."""
     areas = np.bincount(host.body.face_of, host.body.areas_mm2, minlength=len(host.faces))
-    order = np.argsort(-areas, kind="stable")[:FACES_TRIED]
-    for index in order[areas[order] > 0]:
-        # A face smaller than the code may still carry it together with the faces it runs smoothly into.
-        found = _on_face(host, int(index), size_mm, problem, wish.up)
-        if found is not None:
-            return found
-    frame = _centre(host, int(order[0]), wish.up)
-    reason = problem(survey(host.body, frame, size_mm)) or "no place takes it"
-    largest = max(_largest_mm(host, _centre(host, int(i), wish.up), problem, size_mm) for i in order[:8])
+    order = [int(i) for i in np.argsort(-areas, kind="stable")[:FACES_TRIED] if areas[i] > 0]
+
+    def first(size: float) -> tuple[int, Survey] | None:
+        tried = ((i, _on_face(host, i, size, problem, wish.up)) for i in order)
+        return next(((i, found) for i, found in tried if found is not None), None)
+
+    if (chosen := first(size_mm)) is not None:
+        return chosen[1]
+    reason = problem(survey(host.body, _centre(host, order[0], wish.up), size_mm)) or "no place takes it"
+    largest = largest_below(size_mm, lambda size: first(size) is not None)
+    remedy = ""
+    if largest and (smaller := first(largest)) is not None:
+        remedy = f"; at most {_floored(largest)} mm fits: face={smaller[0] + 1}"
     raise DesignError(
-        f"no face of {host.name!r} takes a code of {size_mm:.4g} mm; on the largest, {reason}{_size(largest)}"
+        f"no face of {host.name!r} takes a code of {size_mm:.4g} mm; on the largest, {reason}{remedy}"
     )
 
 
@@ -75,39 +88,47 @@ def _on_face(host: Host, index: int, size_mm: float, problem: Problem, up: Array
     seams.
     """
     over_edges: Survey | None = None
-    for frame in _spots(host, index, up):
-        coarse = survey(host.body, frame, size_mm, COARSE)
-        if problem(coarse) is not None:
-            continue
-        depth = coarse.thickness_mm + float(np.abs(coarse.height_mm).max())
-        clear = not host.has_edges_under(frame, size_mm, depth)
+    for rough in _promising(host, index, size_mm, problem, up):
+        depth = rough.thickness_mm + float(np.abs(rough.height_mm).max())
+        clear = not host.has_edges_under(rough.frame, size_mm, depth)
         if not clear and over_edges is not None:
             continue
-        fine = survey(host.body, frame, size_mm)
-        if problem(fine) is None:
+        frame = host.frame_near(index, rough.frame.origin, rough.frame.axes[1])
+        fine = None if frame is None else survey(host.body, frame, size_mm)
+        if fine is not None and problem(fine) is None:
             if clear:
                 return fine
             over_edges = fine
     return over_edges
 
 
-def _spots(host: Host, index: int, up: ArrayLike | None) -> list[Frame]:
-    """Frames on a face, those next to its middle first; without a wish for `up`, turned ones at the end."""
-    points, _, _ = host.body.samples(CANDIDATES, SEED, np.array([index]))
+def _promising(
+    host: Host, index: int, size_mm: float, problem: Problem, up: ArrayLike | None
+) -> Iterator[Survey]:
+    """Spots of a face that a coarse survey finds good, those next to its middle first; without a wish for
+    `up`, turned ones at the end.
+    """
+    points, normals, _ = host.body.samples(CANDIDATES, SEED, np.array([index]))
     middle = points.mean(axis=0)
     order = np.argsort(np.linalg.norm(points - middle, axis=1), kind="stable")
-    frames = [host.frame_near(index, p, up) for p in (middle, *points[order])]
-    frames = [f for f in frames if f is not None]
-    if up is not None:
-        return frames
-    return [f.turned(a) for a in TURNS_DEG for f in (frames if a == 0 else frames[: CANDIDATES // 8])]
+    frames = [host.frame_near(index, middle, up)]
+    frames += [frame_at(p, n, up) for p, n in zip(points[order], normals[order], strict=True)]
+    level = [frame for frame in frames if frame is not None]
+    few = level[: CANDIDATES // 8]
+    for angle in TURNS_DEG if up is None else TURNS_DEG[:1]:
+        turned = level if angle == 0 else [frame.turned(angle) for frame in few]
+        yield from (f for f in surveys(host.body, turned, size_mm, COARSE) if problem(f) is None)
 
 
 def _centre(host: Host, index: int, up: ArrayLike | None) -> Frame:
-    spots = _spots(host, index, up)
-    if not spots:
+    points, _, _ = host.body.samples(CANDIDATES, SEED, np.array([index]))
+    middle = points.mean(axis=0)
+    order = np.argsort(np.linalg.norm(points - middle, axis=1), kind="stable")
+    found = (host.frame_near(index, p, up) for p in (middle, *points[order]))
+    frame = next((f for f in found if f is not None), None)
+    if frame is None:
         raise DesignError(f"face {index + 1} of {host.name!r} has no usable spot: choose another face")
-    return spots[0]
+    return frame
 
 
 def _judged(host: Host, frame: Frame, size_mm: float, problem: Problem, wish: Wish) -> Survey:
@@ -144,11 +165,14 @@ def _nearest(
     facing = normals @ frame.axes[2]
     # The same side of the part first: another side is rarely what was meant.
     order = np.lexsort((np.linalg.norm(points - frame.origin, axis=1), facing < 0.5))
-    for i in order:
-        spot = host.frame_near(int(faces[i]), points[i], up)
-        if spot is None or problem(survey(host.body, spot, size_mm, COARSE)) is not None:
+    frames = [(i, frame_at(points[i], normals[i], up)) for i in order]
+    usable = [(i, f) for i, f in frames if f is not None]
+    coarse = surveys(host.body, [f for _, f in usable], size_mm, COARSE)
+    for (i, _), rough in zip(usable, coarse, strict=True):
+        if problem(rough) is not None:
             continue
-        if problem(survey(host.body, spot, size_mm)) is None:
+        spot = host.frame_near(int(faces[i]), points[i], up)
+        if spot is not None and problem(survey(host.body, spot, size_mm)) is None:
             return spot
     return None
 
@@ -194,7 +218,12 @@ def _number(host: Host, face: int) -> int:
 
 
 def _size(largest_mm: float) -> str:
-    return f"; at most {np.floor(largest_mm * 100) / 100:.4g} mm works there" if largest_mm > 0 else ""
+    return f"; at most {_floored(largest_mm)} mm works there" if largest_mm > 0 else ""
+
+
+def _floored(size_mm: float) -> str:
+    """A size that surely works, in few digits."""
+    return f"{np.floor(size_mm * 100) / 100:.4g}"
 
 
 def _triple(v: ArrayLike) -> str:

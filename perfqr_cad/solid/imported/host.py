@@ -15,7 +15,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.solid.imported import kernel
 from perfqr_cad.solid.imported.body import Array, Body, body_of_solid
 from perfqr_cad.solid.imported.skin import Skin
-from perfqr_cad.solid.imported.survey import Frame
+from perfqr_cad.solid.imported.survey import Frame, frame_at
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Face, TopoDS_Solid
@@ -82,10 +82,4 @@ class Host:
         foot = self.skins[face].foot(point)
         if foot is None:
             return None
-        on, normal = foot
-        try:
-            return Frame.at(on, normal, up)
-        except DesignError:
-            if up is None:
-                raise
-            return None
+        return frame_at(*foot, up)

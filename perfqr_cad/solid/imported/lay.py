@@ -82,6 +82,9 @@ class Projected(Laid):
         normal = np.column_stack([-slopes[0], -slopes[1], np.ones(len(at))])
         return normal / np.linalg.norm(normal, axis=1)[:, None] @ self.frame_at_centre.axes
 
+    def reader_axes(self) -> Array:
+        return self.frame_at_centre.axes
+
     def reach_mm(self) -> float:
         return self.span_mm / 2
 

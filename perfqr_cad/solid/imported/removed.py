@@ -10,7 +10,7 @@ import numpy as np
 from perfqr_cad.pattern.outline import Loop
 from perfqr_cad.solid.imported.body import Array
 from perfqr_cad.solid.imported.lay import Laid
-from perfqr_cad.solid.imported.survey import probe
+from perfqr_cad.solid.imported.probe import probe
 from perfqr_cad.solid.mesh import delaunay
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ way.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.solid.imported.body import Array, Body, Index
+from perfqr_cad.solid.imported.probe import probe
 from perfqr_cad.surface import DistortionLimit
 
 MAX_TILT_DEG = DistortionLimit().tilt_deg
@@ -63,6 +64,14 @@ class Frame:
         """The frame turned counter-clockwise about its normal."""
         c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
         return Frame(self.origin, np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ self.axes)
+
+
+def frame_at(origin: ArrayLike, normal: ArrayLike, up: ArrayLike | None) -> Frame | None:
+    """`Frame.at`, or None where the wish for `up` runs along the normal."""
+    try:
+        return Frame.at(origin, normal, up)
+    except DesignError:
+        return None
 
 
 @dataclass(frozen=True)
@@ -181,80 +190,37 @@ class Survey:
         return worst
 
 
-@dataclass(frozen=True)
-class Probe:
-    """What lines through a wall meet, (k,) each: the front is the entry nearest to the line's reference
-    point.
-
-    offset_mm  of the front from the reference point, along the line towards the reader; NaN for no front
-    wall_mm    material behind the front, NaN where its far side was not found
-    normal     (k, 3) of the front
-    front, back  numbers of the faces, -1 for none
-    hidden     something of the part stands before the front
-    """
-
-    offset_mm: Array
-    wall_mm: Array
-    normal: Array
-    front: Index
-    back: Index
-    hidden: NDArray[np.bool_]
-
-
-def probe(body: Body, points: Array, towards_reader: Array) -> Probe:
-    """Follow lines (unit directions) through reference points from outside the body inwards."""
-    count = len(points)
-    start = 2.0 * body.diagonal_mm + float(np.linalg.norm(points - body.centre_mm, axis=1).max())
-    found = body.crossings(points + start * towards_reader, -towards_reader)
-    offset = start - found.distance_mm
-    entries = np.flatnonzero(found.entering)
-    nearest = entries[np.lexsort((np.abs(offset[entries]), found.ray[entries]))]
-    rays, first = np.unique(found.ray[nearest], return_index=True)
-    at = nearest[first]
-    # Crossings are sorted along each line: the wall's far side is the next one, unless the line ends.
-    following = np.minimum(at + 1, len(offset) - 1)
-    through = (following > at) & (found.ray[following] == found.ray[at]) & ~found.entering[following]
-    before = np.maximum(at - 1, 0)
-
-    def spread(value: ArrayLike, empty: float, kind: type = float) -> NDArray:
-        out = np.full(count, empty, dtype=kind)
-        out[rays] = value
-        return out
-
-    normal = np.zeros((count, 3))
-    normal[rays] = found.normal[at]
-    return Probe(
-        spread(offset[at], np.nan),
-        spread(np.where(through, offset[at] - offset[following], np.nan), np.nan),
-        normal,
-        spread(body.face_of[found.triangle[at]], -1, int),
-        spread(np.where(through, body.face_of[found.triangle[following]], -1), -1, int),
-        spread((before < at) & (found.ray[before] == found.ray[at]), False, bool),
-    )
-
-
 def survey(body: Body, frame: Frame, size_mm: float, samples: int = FINE) -> Survey:
     """Sample the wall under a code that is projected along the frame's normal."""
+    return surveys(body, [frame], size_mm, samples)[0]
+
+
+def surveys(body: Body, frames: Sequence[Frame], size_mm: float, samples: int = FINE) -> list[Survey]:
+    """The same for many places, their lines followed at once."""
     half = size_mm * (0.5 - INSET)
     line = np.linspace(-half, half, samples)
     x, y = (a.ravel() for a in np.meshgrid(line, line))
-    plane = frame.to_space(np.column_stack([x, y, np.zeros(x.size)]))
-    met = probe(body, plane, np.tile(frame.axes[2], (x.size, 1)))
-    square = (samples, samples)
-    normal = met.normal @ frame.axes.T
-    tilt = np.degrees(np.arccos(np.clip(normal[:, 2], -1, 1)))
-    return Survey(
-        frame,
-        size_mm,
-        met.offset_mm.reshape(square),
+    flat = np.column_stack([x, y, np.zeros(x.size)])
+    if not frames:
+        return []
+    points = np.concatenate([frame.to_space(flat) for frame in frames])
+    met = probe(body, points, np.repeat([frame.axes[2] for frame in frames], x.size, axis=0))
+    square = (len(frames), samples, samples)
+    normal = met.normal.reshape(*square, 3) @ np.stack([frame.axes.T for frame in frames])[:, None]
+    tilt = np.degrees(np.arccos(np.clip(normal[..., 2], -1, 1)))
+    height = met.offset_mm.reshape(square)
+    columns = (
+        height,
         met.wall_mm.reshape(square),
-        np.where(np.isnan(met.offset_mm), np.nan, tilt).reshape(square),
-        normal.reshape(*square, 3),
+        np.where(np.isnan(height), np.nan, tilt),
+        normal,
         met.front.reshape(square),
         met.back.reshape(square),
         met.hidden.reshape(square),
-        body.faceted,
     )
+    return [
+        Survey(frame, size_mm, *values, body.faceted) for frame, *values in zip(frames, *columns, strict=True)
+    ]
 
 
 def largest_below(size_mm: float, works: Callable[[float], bool]) -> float:

@@ -14,8 +14,8 @@ from perfqr_cad.pattern.outline import Loop, Region
 from perfqr_cad.solid.chart import Level
 from perfqr_cad.solid.imported.body import Array, Body
 from perfqr_cad.solid.imported.lay import Laid, Projected
-from perfqr_cad.solid.imported.removed import quadrature
 from perfqr_cad.solid.imported.probe import probe
+from perfqr_cad.solid.imported.removed import quadrature
 from perfqr_cad.solid.mesh import triangulate
 from perfqr_cad.solid.sections import Well
 from perfqr_cad.solid.walls import Walls

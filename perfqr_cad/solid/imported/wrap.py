@@ -8,11 +8,12 @@ from __future__ import annotations
 import numpy as np
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.solid.imported.body import Array, Body
 from perfqr_cad.solid.evaluate import FIRST, SECOND
+from perfqr_cad.solid.imported.body import Array, Body
 from perfqr_cad.solid.imported.lay import Wrapped
+from perfqr_cad.solid.imported.probe import probe
 from perfqr_cad.solid.imported.skin import Skin
-from perfqr_cad.solid.imported.survey import FINE, INSET, Frame, Survey, probe
+from perfqr_cad.solid.imported.survey import FINE, INSET, Frame, Survey
 
 # points a side; the bicubic between them strays by h⁴/384 R³, 1e-6 mm for a code as wide as the radius
 GRID = 33

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.solid.imported.body import Array, Body
-from perfqr_cad.solid.imported.survey import COARSE, Frame, Survey, largest_below, survey
+from perfqr_cad.solid.imported.survey import COARSE, Frame, Survey, frame_at, largest_below, survey, surveys
 
 Problem = Callable[[Survey], str | None]
 
@@ -35,13 +36,12 @@ def place(body: Body, wish: Wish, size_mm: float, problem: Problem) -> Survey:
     """The survey of the place for a code of that edge.
 
     The axis is the mean normal under the code: one facet's own says little. Raises `DesignError` with the
-    reason,
-    the largest size that works there and the nearest place that works.
+    reason, the largest size that works and, for a given spot, the nearest place that works.
     """
     if wish.point is None:
         return _flattest(body, size_mm, problem, wish.up)
     origin, normal = _met(body, wish)
-    found = _settled(body, origin, normal, size_mm, wish.up)
+    found = _settled_at(body, origin, normal, size_mm, wish.up)
     reason = "there is no flat enough surface" if found is None else problem(found)
     if found is not None and reason is None:
         return found
@@ -54,47 +54,62 @@ def place(body: Body, wish: Wish, size_mm: float, problem: Problem) -> Survey:
 
 def _flattest(body: Body, size_mm: float, problem: Problem, up: ArrayLike | None) -> Survey:
     """The spot with the least worst tilt among samples of the surface."""
-    points, normals, _ = body.samples(CANDIDATES, SEED, OUTER)
-    ranked: list[tuple[float, int, Frame]] = []
-    reasons: dict[str, int] = {}
-    for i, (point, normal) in enumerate(zip(points, normals, strict=True)):
-        found = _settled(body, point, normal, size_mm, up, COARSE)
-        reason = "no surface" if found is None else problem(found)
-        if found is None or reason is not None:
-            reasons[reason or ""] = reasons.get(reason or "", 0) + 1
-            continue
-        ranked.append((float(np.nanmax(found.tilt_deg)), i, found.frame))
-    for _, _, frame in sorted(ranked, key=lambda r: r[:2])[:BEST]:
-        fine = survey(body, frame, size_mm)
-        if problem(fine) is None:
-            return fine
-    commonest = max(reasons, key=lambda r: reasons[r]) if reasons else "steps between the samples"
+    found, reasons = _flat_spot(body, size_mm, problem, up)
+    if found is not None:
+        return found
+    commonest = reasons.most_common(1)[0][0] if reasons else "steps between the samples"
+    largest = largest_below(size_mm, lambda size: _flat_spot(body, size, problem, up)[0] is not None)
+    remedy = f"at most {_floored(largest)} mm fits" if largest else "take a smaller size"
     raise DesignError(
         f"no spot of the mesh takes a code of {size_mm:.4g} mm ({CANDIDATES} tried; mostly, {commonest}): "
-        "take a smaller size"
+        f"{remedy}"
     )
 
 
+def _flat_spot(
+    body: Body, size_mm: float, problem: Problem, up: ArrayLike | None
+) -> tuple[Survey | None, Counter[str]]:
+    """The flattest spot that works, if any, and what was wrong with the others."""
+    points, normals, _ = body.samples(CANDIDATES, SEED, OUTER)
+    found = _settled(body, points, normals, size_mm, up)
+    reasons = ["no surface" if spot is None else problem(spot) for spot in found]
+    good = [spot for spot, reason in zip(found, reasons, strict=True) if spot is not None and reason is None]
+    good.sort(key=lambda spot: float(np.nanmax(spot.tilt_deg)))
+    fine = (survey(body, spot.frame, size_mm) for spot in good[:BEST])
+    flattest = next((spot for spot in fine if problem(spot) is None), None)
+    return flattest, Counter(reason for reason in reasons if reason is not None)
+
+
 def _settled(
-    body: Body, origin: Array, normal: Array, size_mm: float, up: ArrayLike | None, samples: int | None = None
-) -> Survey | None:
-    """The survey whose axis is the mean normal under the code; None where that has no meaning."""
+    body: Body, origins: Array, normals: Array, size_mm: float, up: ArrayLike | None
+) -> list[Survey | None]:
+    """Coarse surveys whose axes are the mean normals under the code; None where that has no meaning."""
+    frames = [frame_at(o, n, up) for o, n in zip(origins, normals, strict=True)]
     for _ in range(AVERAGED):
-        try:
-            frame = Frame.at(origin, normal, up)
-        except DesignError:
-            return None
-        found = survey(body, frame, size_mm, COARSE)
-        middle = found.height_mm[COARSE // 2, COARSE // 2]
-        mean = np.nansum(found.normal.reshape(-1, 3), axis=0)
-        if not np.isfinite(middle) or np.linalg.norm(mean) < 1e-9:
-            return None
-        origin, normal = frame.to_space([[0.0, 0.0, middle]])[0], mean @ frame.axes
-    try:
-        frame = Frame.at(origin, normal, up)
-    except DesignError:
+        frames = [None if f is None else _averaged(f, up) for f in _coarse(body, frames, size_mm)]
+    return _coarse(body, frames, size_mm)
+
+
+def _settled_at(
+    body: Body, origin: Array, normal: Array, size_mm: float, up: ArrayLike | None
+) -> Survey | None:
+    """The fine survey at one such spot."""
+    (coarse,) = _settled(body, origin[None], normal[None], size_mm, up)
+    return None if coarse is None else survey(body, coarse.frame, size_mm)
+
+
+def _coarse(body: Body, frames: list[Frame | None], size_mm: float) -> list[Survey | None]:
+    made = iter(surveys(body, [f for f in frames if f is not None], size_mm, COARSE))
+    return [None if frame is None else next(made) for frame in frames]
+
+
+def _averaged(found: Survey, up: ArrayLike | None) -> Frame | None:
+    """The frame on the surface before the middle, its axis the mean normal of what was surveyed."""
+    middle = found.height_mm[COARSE // 2, COARSE // 2]
+    mean = np.nansum(found.normal.reshape(-1, 3), axis=0)
+    if not np.isfinite(middle) or np.linalg.norm(mean) < 1e-9:
         return None
-    return survey(body, frame, size_mm) if samples is None else survey(body, frame, size_mm, samples)
+    return frame_at(found.frame.to_space([[0.0, 0.0, middle]])[0], mean @ found.frame.axes, up)
 
 
 def _met(body: Body, wish: Wish) -> tuple[Array, Array]:
@@ -125,18 +140,18 @@ def _largest(
     """The largest size that works at a spot, as a clause."""
 
     def works(size: float) -> bool:
-        found = _settled(body, origin, normal, size, up)
+        found = _settled_at(body, origin, normal, size, up)
         return found is not None and problem(found) is None
 
     largest = largest_below(size_mm, works)
-    return f"; at most {np.floor(largest * 100) / 100:.4g} mm works there" if largest > 0 else ""
+    return f"; at most {_floored(largest)} mm works there" if largest > 0 else ""
 
 
 def _nearest(body: Body, origin: Array, size_mm: float, problem: Problem, up: ArrayLike | None) -> str:
     """The nearest spot that works, as a clause."""
     points, normals, _ = body.samples(CANDIDATES, SEED, OUTER)
-    for i in np.argsort(np.linalg.norm(points - origin, axis=1), kind="stable"):
-        coarse = _settled(body, points[i], normals[i], size_mm, up, COARSE)
+    order = np.argsort(np.linalg.norm(points - origin, axis=1), kind="stable")
+    for coarse in _settled(body, points[order], normals[order], size_mm, up):
         if coarse is None or problem(coarse) is not None:
             continue
         if problem(survey(body, coarse.frame, size_mm)) is None:
@@ -147,6 +162,11 @@ def _nearest(body: Body, origin: Array, size_mm: float, problem: Problem, up: Ar
                 f"direction={_triple(-at.axes[2])}"
             )
     return "; no place on the mesh takes it: choose a smaller size"
+
+
+def _floored(size_mm: float) -> str:
+    """A size that surely works, in few digits."""
+    return f"{np.floor(size_mm * 100) / 100:.4g}"
 
 
 def _triple(v: ArrayLike) -> str:
