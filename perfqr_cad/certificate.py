@@ -50,6 +50,7 @@ def summary(design: Design) -> str:
         f"{'valid' if solid.valid else 'NOT VALID'}",
         f"scan      read by {readers}",
     ]
+    lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings)]
     lines += [f"wrote     {record.path} ({record.bytes:,} bytes)" for record in design.files]
     return "\n".join(lines)
 
@@ -179,4 +180,5 @@ def _solid(design: Design) -> dict[str, Any]:
         "volume_mm3": solid.volume_mm3,
         "bbox_mm": [list(corner) for corner in solid.bbox_mm],
         "module_mm": design.pattern.module_mm,
+        "notes": list(solid.notes),
     }

@@ -99,6 +99,8 @@ def make(
         "style": style, "finder": finder, "objective": objective, "quiet": quiet, "tone": tone,
         "scan_tilt": scan_tilt, "seed": seed,
     }  # fmt: skip
+    if text is not None and image is not None:
+        raise DesignError("a text and --image are both given: give one of them")
     outputs = output or []
     if not outputs and not as_json:
         raise DesignError("nothing to write: give -o FILE, -o FOLDER/ or --json")

@@ -1,0 +1,55 @@
+"""Requests drawn at random with a seed: each gives a sound part that says what it is, or one line of error."""
+
+import math
+import random
+import string
+from typing import Any
+
+import pytest
+
+from perfqr_cad import make
+from perfqr_cad.errors import PerfQRError
+
+SEEDS = range(6)
+
+
+def request_of(seed: int) -> dict[str, Any]:
+    """Settings of every kind, most of them sensible, some at the edge of what can be made."""
+    draw = random.Random(seed)
+    letters = draw.choice((string.digits, string.ascii_uppercase + "-./:", string.printable[:95], "äöü語ключ€"))
+    text = "".join(draw.choices(letters, k=draw.randint(1, 90)))
+    return {
+        "text": text,
+        "level": draw.choice("LMQH"),
+        "size_mm": draw.choice((None, None, 40.0, 80.0, 160.0)),
+        "thickness_mm": draw.choice((0.8, 1.2, 1.6, 2.4, 4.0)),
+        "nozzle_mm": draw.choice((0.25, 0.4, 0.6)),
+        "style": draw.choice(("square", "square", "rounded", "dots", "diamond", "bars")),
+        "tone": draw.choice(("normal", "normal", "normal", "inverted")),
+        "finder": draw.choice(("panel", "recessed", "diagonal")),
+        "draft_deg": draw.choice((0.0, 0.0, 8.0, 15.0)),
+        "lip_mm": draw.choice((0.0, 0.4)),
+        "support": draw.choice(("clamped", "simple", "two-sides", "corners")),
+        "pressure_mpa": draw.choice((5e-6, 1e-3, 1e-2)),
+        "material": draw.choice(("PLA", "PETG", "steel")),
+        "seed": seed,
+    }
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_random_request_gives_a_sound_part_or_one_line(seed: int) -> None:
+    settings = request_of(seed)
+    try:
+        design = make(**settings)
+    except PerfQRError as error:
+        assert str(error), settings
+        assert "\n" not in str(error), settings
+        return
+    certificate = design.certificate()
+    assert certificate["payload"] == settings["text"]
+    assert design.solid.valid, design.solid.problems
+    assert certificate["connectivity"]["components"] == 1
+    assert certificate["solid"]["solids"] == 1
+    assert math.isfinite(certificate["readability"]["loss"])
+    assert certificate["structure"]["max_stress_mpa"] > 0
+    assert design.scan.readers
