@@ -20,6 +20,7 @@ from perfqr_cad.pattern.rings import front_cells, settled
 from perfqr_cad.pattern.sampling import brightness
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.pattern.style import ROUNDED_RADIUS
+from perfqr_cad.pattern.surround import surrounded
 from perfqr_cad.pattern.tracing import Rings, sharpened, trace
 from perfqr_cad.symbol import Matrix, Symbol, readability
 
@@ -55,7 +56,8 @@ def finish(draft: Draft, job: Job | Pattern, sound: bool = False) -> Pattern:
             " 1 is needed; use a larger --size or a finer nozzle"
         )
     front = dressed(front_regions(draft), draft, job.spec)
-    return _pattern(draft, front, job)
+    size_mm = draft.lattice.cells * draft.lattice.cell_mm
+    return _pattern(draft, surrounded(front, size_mm, job.spec.surround, job.spec.web_mm), job)
 
 
 def dressed(front: Sequence[Region], draft: Draft, spec: PatternSpec) -> tuple[Region, ...]:

@@ -70,6 +70,11 @@ class Pattern:
         return self.module_mm * (self.symbol.size + 2 * self.quiet_modules)
 
     @property
+    def extent_mm(self) -> float:
+        """Edge of the whole part, frame included, mm."""
+        return self.size_mm + 2 * self.spec.surround.frame_mm
+
+    @property
     def recessed(self) -> tuple[Bridge, ...]:
         """The bridges that fill only the back of the part; `region` is `front` and these."""
         return tuple(bridge for bridge in self.bridges if bridge.is_recessed)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.pattern.surround import Surround
 
 Style = Literal["square", "rounded", "dots", "diamond", "bars"]
 FinderStrategy = Literal["panel", "diagonal", "recessed"]
@@ -35,6 +36,7 @@ class PatternSpec:
     loss_weight    λ of Eq. (4)
     tone           `normal`: light modules are material; `inverted`: dark modules are
     contour        free-form art: `smooth` Bézier edges, or the pixels' own `exact` edges
+    surround       frame, rounded corners and mounting holes around the code
     """
 
     size_mm: float | None = None
@@ -50,6 +52,7 @@ class PatternSpec:
     loss_weight: float = 1.0
     tone: Tone = "normal"
     contour: Contour = "smooth"
+    surround: Surround = Surround()
     seed: int = 0
     time_limit_s: float = 10.0
 
