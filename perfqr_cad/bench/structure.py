@@ -11,11 +11,11 @@ import numpy as np
 
 from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.structure import MATERIALS, Pressure, Support, analyse, calculix, verify_solid
-from perfqr_cad.structure.analysis import MESH_SIZE_MODULES, prepare
+from perfqr_cad.structure.analysis import MESH_SIZE_MODULES, lattice_of, prepare
 from perfqr_cad.structure.bars import couplings
 from perfqr_cad.structure.candidates import lattice_candidates
 from perfqr_cad.structure.reanalysis import Reanalysis
-from perfqr_cad.structure.solvers import Cholmod, SuperLU, cholmod, factorise
+from perfqr_cad.structure.solvers import Cholmod, SuperLU, cholmod
 from perfqr_cad.surface import Plane
 from perfqr_cad.symbol import encode
 from perfqr_cad.table import Table
@@ -62,7 +62,7 @@ def run() -> tuple[Table, Table]:
     )
     if calculix.installed():
         model = _model(pattern)
-        shell_s, _ = _timed(lambda: factorise(model.lower(), best).solve(model.pressure_forces(1.0)))
+        shell_s, _ = _timed(lambda: model.factorise(best).solve(model.pressure_forces(1.0)))
         ccx_s, theirs = _timed(lambda: calculix.solve(model, PRESSURE.pressure_mpa))
         rows.append(("CalculiX C3D15 on the same mesh", ccx_s, ccx_s / shell_s, 6.0))
         largest = float(np.abs(theirs.displacement[:, 2]).max())
@@ -92,6 +92,7 @@ def _model(pattern: Pattern) -> Any:
         nozzle_mm=NOZZLE_MM,
         mesh_size_mm=size,
         corner_size_mm=size,
+        lattice=lattice_of(pattern),
     )
 
 
@@ -101,7 +102,7 @@ def _loop(pattern: Pattern, solver: str) -> tuple[float, float]:
     def begin() -> Reanalysis:
         model = _model(pattern)
         forces = model.pressure_forces(PRESSURE.pressure_mpa)
-        return Reanalysis(model, factorise(model.lower(), solver), forces, NOZZLE_MM)
+        return Reanalysis(model, model.factorise(solver), forces, NOZZLE_MM)
 
     again_s, analysis = _timed(begin)
     bars = lattice_candidates(pattern, (pattern.spec.web_mm,))

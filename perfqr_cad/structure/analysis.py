@@ -6,20 +6,20 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-import shapely
 from shapely.geometry import Polygon
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.domain import clean
 from perfqr_cad.structure.field import StressField
-from perfqr_cad.structure.gmsher import triangulate
 from perfqr_cad.structure.loads import Load, Support, Weight
 from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.materials import material as material_named
-from perfqr_cad.structure.measure import DiscAverage, disc_average, von_mises
+from perfqr_cad.structure.measure import Discs, von_mises
 from perfqr_cad.structure.model import Model, build_model, forces_of
-from perfqr_cad.structure.solvers import factorise
-from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
+from perfqr_cad.structure.quilt import patched
+from perfqr_cad.structure.seeding import Grain
+from perfqr_cad.structure.t6 import Floats
+from perfqr_cad.structure.tiling import Lattice
 from perfqr_cad.surface import Placement
 from perfqr_cad.units import grams
 
@@ -27,11 +27,10 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
 
 MESH_SIZE_MODULES = 2 / 3  # largest element edge, in modules: see docs/strength.md, refinement
-# How far the outline may move in the model, and element edges at re-entrant corners, both in nozzle widths.
-# The first pair that keeps the outline within the limit of points is taken: every point costs about 60 to
-# 190 unknowns, and beyond some 10⁶ of them the factor does not fit the index range of SuperLU.
-DETAIL_NOZZLES = ((0.05, 1.0), (0.25, 1.0), (0.5, 2.0))
-MOST_OUTLINE_POINTS = 8000
+CORNER_NOZZLES = 1.0  # element edges at sharp re-entrant corners
+LAYER_MESH_SIZES = 0.25  # edges next to free walls, where twisting has its boundary layer
+TOLERANCE_NOZZLES = 0.05  # how far the outline may move in the model
+TILE_MESH_SIZES = 1.5  # edge of a tile where a region has no modules
 DEFAULT_NOZZLE_MM = 0.4
 LINEAR_LIMIT_THICKNESSES = 0.5  # deflection above which stretching, which a linear model lacks, carries load
 BALANCE_LIMIT = 1e-6  # a solution whose reactions miss the load by more is no solution
@@ -59,8 +58,15 @@ def analyse(
         yield_mpa=yield_mpa,
         nozzle_mm=nozzle_mm,
         mesh_size_mm=mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm,
+        lattice=lattice_of(pattern),
         solver=solver,
     )
+
+
+def lattice_of(pattern: Pattern) -> Lattice:
+    """The lattice of a pattern's modules."""
+    half = 0.5 * pattern.symbol.size * pattern.module_mm
+    return Lattice(pattern.module_mm, (-half, -half))
 
 
 def analyse_region(
@@ -73,6 +79,7 @@ def analyse_region(
     yield_mpa: float | None = None,
     nozzle_mm: float = DEFAULT_NOZZLE_MM,
     mesh_size_mm: float,
+    lattice: Lattice | None = None,
     solver: str | None = None,
 ) -> StressField:
     """The stress field of a light region (mm, in the pattern plane) as a Reissner-Mindlin shell.
@@ -91,13 +98,13 @@ def analyse_region(
         support,
         nozzle_mm=nozzle_mm,
         mesh_size_mm=mesh_size_mm,
+        lattice=lattice,
         bends=bends_only(load),
     )
-    factor = factorise(model.lower(), solver)
+    factor = model.factorise(solver)
     forces = forces_of(model, load, factor)
     displacement = factor.solve(np.where(model.fixed, 0.0, forces))
-    average = disc_average(model.mesh, nozzle_mm)
-    return field_of(model, displacement, forces, average=average, yield_mpa=yield_mpa, solver=factor.name)
+    return field_of(model, displacement, forces, nozzle_mm=nozzle_mm, yield_mpa=yield_mpa, solver=factor.name)
 
 
 def prepare(
@@ -109,6 +116,7 @@ def prepare(
     nozzle_mm: float,
     mesh_size_mm: float,
     corner_size_mm: float | None = None,
+    lattice: Lattice | None = None,
     bends: bool = True,
 ) -> Model:
     """Clean the region, mesh it and build its element matrices.
@@ -124,20 +132,17 @@ def prepare(
     ):
         if not (math.isfinite(value) and value > 0.0):
             raise AnalysisError(f"{label} is {value} mm; it must be a positive number")
-    domain, corner_nozzles = _domain(polygon, nozzle_mm)
-    mesh = triangulate(domain, mesh_size_mm, corner_size_mm or corner_nozzles * nozzle_mm)
+    domain = clean(polygon)
+    lattice = lattice or Lattice(TILE_MESH_SIZES * mesh_size_mm)
+    grain = Grain(
+        size_mm=mesh_size_mm,
+        corner_mm=corner_size_mm or CORNER_NOZZLES * nozzle_mm,
+        layer_mm=LAYER_MESH_SIZES * mesh_size_mm,
+        tolerance_mm=TOLERANCE_NOZZLES * nozzle_mm,
+    )
+    quilt = patched(domain, lattice, grain)
     held = support if isinstance(support, Support) else Support(support)  # type: ignore[arg-type]
-    return build_model(mesh, domain, placement, material, held, mesh_size_mm, placement.is_flat and bends)
-
-
-def _domain(polygon: Polygon, nozzle_mm: float) -> tuple[Polygon, float]:
-    """The cleaned outline in the most detail that can be afforded, and the corner size in nozzle widths."""
-    *finer, (coarsest, coarse_corner) = DETAIL_NOZZLES
-    for tolerance, corner in finer:
-        domain = clean(polygon, tolerance * nozzle_mm)
-        if shapely.get_num_coordinates(domain) <= MOST_OUTLINE_POINTS:
-            return domain, corner
-    return clean(polygon, coarsest * nozzle_mm), coarse_corner
+    return build_model(quilt, domain, placement, material, held, mesh_size_mm, placement.is_flat and bends)
 
 
 def bends_only(load: Load) -> bool:
@@ -150,7 +155,7 @@ def field_of(
     displacement: Floats,
     forces: Floats,
     *,
-    average: DiscAverage,
+    nozzle_mm: float,
     yield_mpa: float | None,
     solver: str,
 ) -> StressField:
@@ -160,23 +165,21 @@ def field_of(
         AnalysisError: the reactions do not balance the load: the part is free to move.
     """
     stress = model.corner_stresses(displacement)
-    averaged = von_mises(average(stress)).max(axis=1)
-    peak = int(np.argmax(averaged))
+    hottest, measure = Discs(model.mesh, nozzle_mm).hottest(stress)
     deflection = np.einsum("nc,nc->n", model.translations(displacement), model.frames[:, 2])
     lowest = int(np.argmax(np.abs(deflection)))
     load, reactions, balance = _balance(model, displacement, forces)
     thickness = model.section.thickness_mm
     return StressField(
-        uv_mm=model.mesh.nodes,
+        mesh=model.mesh,
         nodes_mm=model.positions,
-        triangles=_quarters(model.mesh),
         displacement_mm=model.translations(displacement),
         deflection_mm=deflection,
-        von_mises_mpa=_at_all_nodes(model.mesh, averaged),
-        max_stress_mpa=float(averaged[peak]),
-        max_stress_at_mm=_pair(model.mesh.nodes[peak]),
+        stress_mpa=stress,
+        max_stress_mpa=float(measure[0]),
+        max_stress_at_mm=_pair(model.mesh.nodes[hottest[0]]),
         sharp_peak_mpa=float(von_mises(stress).max()),
-        disc_width_mm=average.width_mm,
+        disc_width_mm=nozzle_mm,
         max_deflection_mm=float(abs(deflection[lowest])),
         max_deflection_at_mm=_pair(model.mesh.nodes[lowest]),
         yield_mpa=model.material.yield_mpa if yield_mpa is None else yield_mpa,
@@ -198,7 +201,7 @@ def _balance(
     model: Model, displacement: Floats, forces: Floats
 ) -> tuple[tuple[float, float, float], tuple[float, float, float], float]:
     """Resultants of load and reactions in N, and the unbalanced share of the load."""
-    held = np.where(model.fixed, model.system.internal_forces(displacement) - forces, 0.0)
+    held = model.system.held_forces(displacement) - np.where(model.fixed, forces, 0.0)
     load = model.translations(forces)
     reactions = model.translations(held)
     scale = float(np.abs(load).sum())
@@ -220,20 +223,6 @@ def _warnings(deflection_mm: float, thickness_mm: float) -> tuple[str, ...]:
         f"deflection {deflection_mm:.3g} mm exceeds half the thickness ({limit:.3g} mm):"
         " this linear answer overstates both deflection and stress",
     )
-
-
-def _quarters(mesh: Mesh) -> Ints:
-    """Four corner triangles to each six-node one, for drawing: (4m, 3)."""
-    return mesh.elements[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]].reshape(-1, 3)
-
-
-def _at_all_nodes(mesh: Mesh, at_corners: Floats) -> Floats:
-    """Values at the corner nodes, and their mean at the middles between them."""
-    out = np.empty(len(mesh.nodes))
-    out[: mesh.corners] = at_corners
-    for k, edge in enumerate(EDGES):
-        out[mesh.elements[:, 3 + k]] = at_corners[mesh.elements[:, edge]].mean(axis=1)
-    return out
 
 
 def _pair(point: Floats) -> tuple[float, float]:

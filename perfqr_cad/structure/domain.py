@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
-from shapely.geometry import LinearRing, Polygon
+from shapely.geometry import Polygon
 
 from perfqr_cad.errors import AnalysisError
 
@@ -18,14 +17,14 @@ SPECK_FRACTION = 1e-6  # pieces below this share of the area are left-overs of s
 AREA_CHANGE_LIMIT = 0.02  # cleaning may move the outline, never remove a web
 
 
-def clean(polygon: Polygon, tolerance_mm: float) -> Polygon:
-    """One valid polygon (mm) whose edges are longer than about `tolerance_mm` and whose outline is within it.
+def clean(polygon: Polygon) -> Polygon:
+    """One valid polygon (mm) on a fine grid.
 
     Raises:
         AnalysisError: the region is empty, not finite, in several pieces, or changed by the cleaning.
     """
     _require_finite(polygon)
-    pieces = _pieces(shapely.set_precision(shapely.make_valid(polygon), SNAP_MM))
+    pieces = _pieces(shapely.make_valid(polygon))
     if len(pieces) > 1:
         where = ", ".join(
             f"({p.representative_point().x:.1f}, {p.representative_point().y:.1f})" for p in pieces[1:4]
@@ -34,17 +33,13 @@ def clean(polygon: Polygon, tolerance_mm: float) -> Polygon:
             f"the light region is in {len(pieces)} pieces; loose ones near {where} mm:"
             " connect them with bridges first"
         )
-    whole = pieces[0]
-    thinned = Polygon(_thin(whole.exterior, tolerance_mm), [_thin(r, tolerance_mm) for r in whole.interiors])
-    if not thinned.is_valid:  # two thinned edges crossed in a narrow web: keep every point there
-        thinned = whole
-    change = abs(thinned.area - polygon.area) / polygon.area
+    change = abs(pieces[0].area - polygon.area) / polygon.area
     if change > AREA_CHANGE_LIMIT:
         raise AnalysisError(
-            f"cleaning to {tolerance_mm} mm changes the light area by {change:.1%}"
-            f" (limit {AREA_CHANGE_LIMIT:.0%}): make the webs wider or the tolerance smaller"
+            f"cleaning to {SNAP_MM} mm changes the light area by {change:.1%}"
+            f" (limit {AREA_CHANGE_LIMIT:.0%}): make the webs wider"
         )
-    return shapely.orient_polygons(thinned)
+    return pieces[0]
 
 
 def _require_finite(polygon: Polygon) -> None:
@@ -65,15 +60,3 @@ def _pieces(region: shapely.Geometry) -> list[Polygon]:
         raise AnalysisError("the light region has no area: there is nothing to load")
     total = sum(part.area for part in parts)
     return sorted((p for p in parts if p.area > SPECK_FRACTION * total), key=lambda p: -p.area)
-
-
-def _thin(ring: LinearRing, tolerance_mm: float) -> NDArray[np.float64]:
-    """The ring without the points its neighbours make needless (Douglas-Peucker) and without tiny edges."""
-    points = shapely.get_coordinates(shapely.simplify(ring, tolerance_mm / 2.0, preserve_topology=True))[:-1]
-    while len(points) > 4:
-        lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-        shortest = int(np.argmin(lengths))
-        if lengths[shortest] >= tolerance_mm:
-            break
-        points = np.delete(points, (shortest + 1) % len(points), axis=0)
-    return points

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
-from perfqr_cad.structure.t6 import Floats, Ints
+from perfqr_cad.structure.measure import Discs
+from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
 
 
 @dataclass(frozen=True)
 class StressField:
     """Displacement and stress of a loaded part, on its middle surface.
 
-    Arrays: `uv_mm` (n, 2) nodes in the pattern plane; `nodes_mm` (n, 3) in space; `triangles` (m, 3), four to
-    each six-node element; `displacement_mm` (n, 3); `deflection_mm` (n,) along the normal that faces the
-    reader; `von_mises_mpa` (n,) the named measure.
+    Arrays: `nodes_mm` (n, 3) in space; `displacement_mm` (n, 3); `deflection_mm` (n,) along the normal that
+    faces the reader; `stress_mpa` (m, 3, layers, 5) the tensors σ11, σ22, τ12, τ13, τ23 at the corners of the
+    elements of `mesh`, by layers through the thickness.
 
     `max_stress_mpa` is the largest von Mises stress of the tensor averaged over a disc of
     `disc_width_mm`: the figure to compare with the yield stress. `sharp_peak_mpa` is the largest at any node
@@ -24,12 +26,11 @@ class StressField:
     `balance` is the unbalanced part of load and reactions over the load.
     """
 
-    uv_mm: Floats
+    mesh: Mesh
     nodes_mm: Floats
-    triangles: Ints
     displacement_mm: Floats
     deflection_mm: Floats
-    von_mises_mpa: Floats
+    stress_mpa: Floats
     max_stress_mpa: float
     max_stress_at_mm: tuple[float, float]
     sharp_peak_mpa: float
@@ -54,6 +55,29 @@ class StressField:
             value = getattr(self, entry.name)
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)
+
+    @property
+    def uv_mm(self) -> Floats:
+        """Nodes (n, 2) in the pattern plane."""
+        return self.mesh.nodes
+
+    @cached_property
+    def triangles(self) -> Ints:
+        """Four corner triangles to each six-node one, for drawing: (4m, 3)."""
+        return self.mesh.elements[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]].reshape(-1, 3)
+
+    @cached_property
+    def von_mises_mpa(self) -> Floats:
+        """The measure at every node (n,), in the quality of a map."""
+        at_corners = np.minimum(
+            Discs(self.mesh, self.disc_width_mm).everywhere(self.stress_mpa), self.max_stress_mpa
+        )
+        out = np.empty(len(self.mesh.nodes))
+        out[: self.mesh.corners] = at_corners
+        for k, edge in enumerate(EDGES):
+            out[self.mesh.elements[:, 3 + k]] = at_corners[self.mesh.elements[:, edge]].mean(axis=1)
+        out.setflags(write=False)
+        return out
 
     @property
     def safety_factor(self) -> float:

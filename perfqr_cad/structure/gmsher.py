@@ -1,4 +1,4 @@
-"""The only module that talks to gmsh: outlines in, triangles out; B-rep files in, tetrahedra out.
+"""The only module that talks to gmsh: outlines in, triangles out.
 
 gmsh keeps one global state per process, so every call holds a lock, works in a model of its own, and puts
 back the options it changed. `interruptible=False` keeps gmsh from replacing Python's signal handlers, which
@@ -8,21 +8,21 @@ also lets it run outside the main thread.
 from __future__ import annotations
 
 import threading
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from types import ModuleType
 
 import numpy as np
-from numpy.typing import NDArray
-from shapely.geometry import LinearRing, Polygon
+import shapely
+from shapely.geometry import Polygon
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.structure.seeding import seed
-from perfqr_cad.structure.t6 import Floats, Ints, Mesh, quadratic
+from perfqr_cad.structure.seeding import Grain, seed
+from perfqr_cad.structure.t6 import Floats, Ints, Mesh, quadratic, twice_areas
 
 _LOCK = threading.Lock()
-_TRIANGLE, _TETRAHEDRON_10 = 2, 11  # gmsh element types
-_DELAUNAY, _DELAUNAY_3D = 5, 1  # gmsh Mesh.Algorithm, Mesh.Algorithm3D: the fastest sound ones here
+_DELAUNAY = 5  # gmsh Mesh.Algorithm: the fastest sound one here
 
 
 @contextmanager
@@ -53,6 +53,13 @@ def _session(options: dict[str, float]) -> Generator[ModuleType]:
                 gmsh.finalize()
 
 
+@dataclass(frozen=True)
+class Face:
+    """A plane face by its loops of nodes (k, 2) in mm: the outer one, then holes."""
+
+    loops: tuple[Floats, ...]
+
+
 def triangulate(polygon: Polygon, size_mm: float, corner_mm: float | None = None) -> Mesh:
     """A six-node triangle mesh of a clean polygon, edges up to about `size_mm`, conforming to its outline.
 
@@ -60,6 +67,23 @@ def triangulate(polygon: Polygon, size_mm: float, corner_mm: float | None = None
 
     Raises:
         AnalysisError: gmsh failed, or the mesh does not cover the polygon.
+    """
+    loops = []
+    for ring in shapely.get_rings(shapely.orient_polygons(polygon)):
+        points = shapely.get_coordinates(ring)[:-1]
+        loops.append(
+            seed(points, np.zeros(len(points), bool), Grain(size_mm, corner_mm or size_mm, 0.0, 0.0))
+        )
+    return quadratic(*triangulate_all([Face(tuple(loops))], size_mm)[0])
+
+
+def triangulate_all(faces: Sequence[Face], size_mm: float) -> list[tuple[Floats, Ints]]:
+    """Vertices (n, 2) and triangles (m, 3) of each face, edges up to about `size_mm`.
+
+    Loops are kept as they are; no node is put on them.
+
+    Raises:
+        AnalysisError: gmsh failed, or a mesh does not cover its face.
     """
     options = {
         "General.NumThreads": 1,  # the same mesh on every machine
@@ -69,41 +93,43 @@ def triangulate(polygon: Polygon, size_mm: float, corner_mm: float | None = None
         "Mesh.MeshSizeFromPoints": 0,
         "Mesh.MeshSizeExtendFromBoundary": 1,
     }
+    if not faces:
+        return []
     with _session(options) as gmsh:
-        loops = [
-            _curve_loop(gmsh, ring, size_mm, corner_mm or size_mm)
-            for ring in (polygon.exterior, *polygon.interiors)
+        surfaces = [
+            gmsh.model.geo.addPlaneSurface([_curve_loop(gmsh, loop) for loop in face.loops]) for face in faces
         ]
-        gmsh.model.geo.addPlaneSurface(loops)
         gmsh.model.geo.synchronize()
         gmsh.model.mesh.generate(2)
-        vertices, triangles = _elements(gmsh, _TRIANGLE, 3)
-    mesh = quadratic(vertices[:, :2], triangles)
-    meshed, wanted = float(mesh.area_mm2.sum()), polygon.area
-    if abs(meshed - wanted) > 1e-6 * wanted:
-        raise AnalysisError(
-            f"the mesh covers {meshed:.4f} mm² of {wanted:.4f} mm²: the outline touches or crosses itself"
-        )
-    return mesh
+        meshes = [_triangles(gmsh, surface) for surface in surfaces]
+    for face, (vertices, triangles) in zip(faces, meshes, strict=True):
+        wanted = sum(_area(loop) for loop in face.loops)
+        meshed = float(np.abs(twice_areas(vertices, triangles)).sum()) / 2
+        if abs(meshed - wanted) > 1e-6 * wanted:
+            x, y = face.loops[0][0]
+            raise AnalysisError(
+                f"the mesh covers {meshed:.4f} mm² of {wanted:.4f} mm² at ({x:.2f}, {y:.2f}) mm:"
+                " the outline touches or crosses itself"
+            )
+    return meshes
 
 
-def _curve_loop(gmsh: ModuleType, ring: LinearRing, size_mm: float, corner_mm: float) -> int:
+def _curve_loop(gmsh: ModuleType, outline: Floats) -> int:
     geo = gmsh.model.geo
-    outline = seed(np.asarray(ring.coords)[:-1], size_mm, corner_mm)
-    points = [geo.addPoint(x, y, 0.0, size_mm) for x, y in outline.tolist()]
+    points = [geo.addPoint(x, y, 0.0) for x, y in outline.tolist()]
     lines = [geo.addLine(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
     for line in lines:
         geo.mesh.setTransfiniteCurve(line, 2)
     return geo.addCurveLoop(lines)
 
 
-def _elements(gmsh: ModuleType, kind: int, nodes_per_element: int) -> tuple[Floats, Ints]:
-    """Coordinates (n, 3) of the nodes in use and connectivity of the elements of one kind."""
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    _, flat = gmsh.model.mesh.getElementsByType(kind)
-    if not len(flat):
-        raise AnalysisError("gmsh made no elements: the region is empty or crosses itself")
-    used, connectivity = np.unique(np.asarray(flat, np.int64), return_inverse=True)
-    row_of_tag: NDArray[np.int64] = np.empty(int(tags.max()) + 1, np.int64)
-    row_of_tag[tags.astype(np.int64)] = np.arange(len(tags))
-    return coordinates.reshape(-1, 3)[row_of_tag[used]], connectivity.reshape(-1, nodes_per_element)
+def _area(loop: Floats) -> float:
+    x, y = loop.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+def _triangles(gmsh: ModuleType, surface: int) -> tuple[Floats, Ints]:
+    tags, coordinates, _ = gmsh.model.mesh.getNodes(2, surface, includeBoundary=True)
+    _, (flat,) = gmsh.model.mesh.getElements(2, surface)[1:]
+    used, first = np.unique(tags, return_index=True)
+    return coordinates.reshape(-1, 3)[first, :2], np.searchsorted(used, flat).reshape(-1, 3)

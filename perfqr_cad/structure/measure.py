@@ -5,20 +5,26 @@ The measure used here is **von Mises' stress of the stress tensor averaged over 
 nozzle**, the finest detail the part can have. It converges, it does not depend on the mesh, and it is centred
 in turn on every corner node of the mesh, which include all corners of the outline.
 
-Averaging is linear in the displacement, so it is one sparse matrix that serves every load and every bridge.
+An average is never above the largest stress in its disc (von Mises' stress is convex), so only places near
+high nodal stress need to be averaged to find the largest of all.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.spatial import KDTree
 
-from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
+from perfqr_cad.structure.t6 import Floats, Ints, Mesh
 
-SAMPLES = 19  # points of equal weight in the disc; 37 move the measure by less than 1 %
+# Points of equal weight in the disc. Against 997 of them, on a wall of version 8: 37 are 0.7 % off, 91 0.2 %.
+SAMPLES = 91
+MAP_SAMPLES = 19  # enough to look at
+FIRST_TRIED = 64  # places of highest nodal stress, averaged first
 _GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 LONGEST_WALK = 200  # elements crossed by one point; discs are small, a walk this long is lost
 _INSIDE = -1e-9  # barycentric coordinate of a point on an edge
@@ -31,44 +37,78 @@ def von_mises(stress: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class DiscAverage:
-    """Averages over discs of `width_mm` around the corner nodes of a mesh, as a matrix (corners, 3·elements).
+class Discs:
+    """Discs of `width_mm` around the corner nodes of a mesh.
 
-    It acts on values at the three corners of each element, linear inside it and with jumps between elements.
+    Stresses are given at the three corners of each element, (m, 3, layers, 5): linear inside it, with jumps
+    between elements.
     """
 
+    mesh: Mesh
     width_mm: float
-    matrix: sp.csr_matrix
 
-    def __call__(self, corner_values: Floats) -> Floats:
-        """Averages (corners, ...) of values (elements, 3, ...)."""
-        tail = corner_values.shape[2:]
-        flat = corner_values.reshape(3 * len(corner_values), -1)
-        return (self.matrix @ flat).reshape(-1, *tail)
+    def matrix(self, vertices: Ints, samples: int = SAMPLES) -> sp.csr_matrix:
+        """Averages over the discs of some corner nodes as a matrix (k, 3·m) on values at element corners.
 
+        Parts of a disc that lie in a hole do not count.
+        """
+        radius = 0.5 * self.width_mm * np.sqrt((np.arange(samples) + 0.5) / samples)
+        angle = _GOLDEN_ANGLE * np.arange(samples)
+        disc = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+        start = self._start[vertices]
+        points = (self.mesh.nodes[vertices, None] + disc).reshape(-1, 2)
+        element, weights = locate(self.mesh, points, np.repeat(start, samples))
+        row = np.repeat(np.arange(len(vertices)), samples)
+        inside = element >= 0
+        # A vertex whose disc lies in a hole has its own value.
+        lost = np.flatnonzero(np.bincount(row[inside], minlength=len(vertices)) == 0)
+        own = (self.mesh.elements[start[lost], :3] == vertices[lost, None]).astype(float)
+        row, element = np.r_[row[inside], lost], np.r_[element[inside], start[lost]]
+        weights = np.r_[weights[inside], own] / np.bincount(row)[row][:, None]
+        columns = element[:, None] * 3 + np.arange(3)
+        shape = (len(vertices), 3 * len(self.mesh.elements))
+        return sp.csr_matrix((weights.ravel(), (np.repeat(row, 3), columns.ravel())), shape=shape)
 
-def disc_average(mesh: Mesh, width_mm: float, samples: int = SAMPLES) -> DiscAverage:
-    """The averaging matrix of a mesh. Parts of the disc that lie in a hole do not count."""
-    radius = 0.5 * width_mm * np.sqrt((np.arange(samples) + 0.5) / samples)
-    angle = _GOLDEN_ANGLE * np.arange(samples)
-    disc = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
-    vertices = np.arange(mesh.corners)
-    start = np.empty(mesh.corners, np.int64)
-    start[mesh.elements[:, :3]] = np.arange(len(mesh.elements))[:, None]
-    points = (mesh.nodes[: mesh.corners, None] + disc).reshape(-1, 2)
-    element, weights = locate(mesh, points, np.repeat(start, samples))
-    row = np.repeat(vertices, samples)
-    # The centre itself always counts, so that a vertex whose disc lies in a hole still has a value.
-    inside = element >= 0
-    row = np.r_[row[inside], vertices]
-    element = np.r_[element[inside], start]
-    weights = np.r_[weights[inside], (mesh.elements[start, :3] == vertices[:, None]).astype(float)]
-    weights /= np.bincount(row)[row][:, None]
-    columns = element[:, None] * 3 + np.arange(3)
-    shape = (mesh.corners, 3 * len(mesh.elements))
-    return DiscAverage(
-        width_mm, sp.csr_matrix((weights.ravel(), (np.repeat(row, 3), columns.ravel())), shape=shape)
-    )
+    def at(self, vertices: Ints, stress: Floats, samples: int = SAMPLES) -> Floats:
+        """The measure (k,) at some corner nodes: the largest of the layers."""
+        tensors = self.matrix(vertices, samples) @ stress.reshape(3 * len(stress), -1)
+        return von_mises(tensors.reshape(-1, *stress.shape[2:])).max(axis=1)
+
+    def hottest(self, stress: Floats, share: float = 1.0) -> tuple[Ints, Floats]:
+        """The corner nodes whose measure is at least a share of the largest, and it, largest first."""
+        peaks = von_mises(stress).max(axis=2)
+        nodal = np.zeros(self.mesh.corners)
+        np.maximum.at(nodal, self.mesh.elements[:, :3], peaks)
+        first = np.argsort(-nodal, kind="stable")[:FIRST_TRIED]
+        limit = share * float(self.at(first, stress).max())
+        near = self._whose_disc_may_touch(np.flatnonzero(peaks.max(axis=1) >= limit))
+        measure = self.at(near, stress)
+        order = np.argsort(-measure, kind="stable")
+        order = order[measure[order] >= share * measure[order[0]]]
+        return near[order], measure[order]
+
+    def everywhere(self, stress: Floats) -> Floats:
+        """The measure at every corner node, in the quality of a map."""
+        return self.at(np.arange(self.mesh.corners), stress, MAP_SAMPLES)
+
+    def _whose_disc_may_touch(self, elements: Ints) -> Ints:
+        """The corner nodes nearer to some elements than the radius."""
+        corners = self.mesh.nodes[self.mesh.elements[elements, :3]]
+        centres = corners.mean(axis=1)
+        reach = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1) + 0.5 * self.width_mm
+        found = self._tree.query_ball_point(centres, reach)
+        return np.unique(np.concatenate([np.asarray(rows, np.int64) for rows in found]))
+
+    @cached_property
+    def _tree(self) -> KDTree:
+        return KDTree(self.mesh.nodes[: self.mesh.corners])
+
+    @cached_property
+    def _start(self) -> Ints:
+        """An element at each corner node."""
+        start = np.empty(self.mesh.corners, np.int64)
+        start[self.mesh.elements[:, :3]] = np.arange(len(self.mesh.elements))[:, None]
+        return start
 
 
 def locate(mesh: Mesh, points: Floats, start: Ints) -> tuple[Ints, Floats]:
@@ -76,7 +116,7 @@ def locate(mesh: Mesh, points: Floats, start: Ints) -> tuple[Ints, Floats]:
 
     A walk that meets the outline ends there with element -1: the point is in a hole, or behind one.
     """
-    beyond = neighbours(mesh)
+    beyond = mesh.neighbours
     element, weights = start.copy(), np.zeros((len(points), 3))
     active = np.arange(len(points))
     for _ in range(LONGEST_WALK):
@@ -95,15 +135,3 @@ def locate(mesh: Mesh, points: Floats, start: Ints) -> tuple[Ints, Floats]:
         active = active[~done & (onwards >= 0)]
     element[active] = -1
     return element, weights
-
-
-def neighbours(mesh: Mesh) -> Ints:
-    """The element across each edge 01, 12, 20: (m, 3), -1 on the outline."""
-    count = len(mesh.elements)
-    middles = mesh.elements[:, 3:].ravel()
-    order = np.argsort(middles, kind="stable")
-    pair = np.flatnonzero(middles[order[1:]] == middles[order[:-1]])
-    one, other = order[pair], order[pair + 1]
-    across = np.full(count * len(EDGES), -1, np.int64)
-    across[one], across[other] = other // 3, one // 3
-    return across.reshape(count, 3)

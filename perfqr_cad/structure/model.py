@@ -6,16 +6,17 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 from shapely.geometry import Polygon
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure import plate, shell
-from perfqr_cad.structure.assembly import Flags, System
+from perfqr_cad.structure.assembly import Flags, Structure, System
+from perfqr_cad.structure.condensing import Quilted
 from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Load, Pressure, Support, Weight
 from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.measure import von_mises
 from perfqr_cad.structure.plate import Section
+from perfqr_cad.structure.quilt import Quilt
 from perfqr_cad.structure.solvers import Factor
 from perfqr_cad.structure.supports import held_nodes
 from perfqr_cad.structure.t6 import SIX_POINTS, SIX_WEIGHTS, Floats, Ints, Mesh
@@ -42,7 +43,7 @@ class Model:
     positions: Floats
     frames: Floats
     flat: bool
-    system: System
+    system: Structure
     mesh_size_mm: float
 
     @property
@@ -50,9 +51,9 @@ class Model:
         """Which unknowns are held."""
         return self.system.fixed
 
-    def lower(self) -> sp.csc_matrix:
-        """The lower triangle of the stiffness matrix."""
-        return self.system.lower()
+    def factorise(self, solver: str | None = None) -> Factor:
+        """See `solvers.factorise`."""
+        return self.system.factorise(solver)
 
     @cached_property
     def area_mm2(self) -> Floats:
@@ -94,7 +95,7 @@ class Model:
 
 
 def build_model(
-    mesh: Mesh,
+    quilt: Quilt,
     domain: Polygon,
     placement: Placement,
     material: Material,
@@ -103,18 +104,21 @@ def build_model(
     flat: bool,
 ) -> Model:
     """Element matrices and supports of a meshed region on the middle surface of a placement."""
+    mesh = quilt.mesh
     section = Section(placement.thickness_mm, material.e_mpa, material.nu, KAPPA)
     positions = placement.at_depth(mesh.nodes, 0.5 * placement.thickness_mm)
     frames = placement.frame(mesh.nodes)
     dofs = plate.DOFS if flat else shell.DOFS
-    matrices = (
-        plate.stiffness(mesh, section) if flat else shell.stiffness(positions, frames, mesh.elements, section)
-    )
-    held = held_nodes(mesh, domain, support)
-    fixed = np.repeat(held[:, None], dofs, axis=1)
+    fixed = np.repeat(held_nodes(mesh, domain, support)[:, None], dofs, axis=1)
     if support.hold.pinned:
         fixed[:, plate.BX if flat else shell.ROTATIONS.start :] = False
-    system = System(mesh.elements, dofs, matrices, fixed.ravel())
+    system: Structure
+    if flat:
+        matrices = tuple(plate.stiffness(block.patch.mesh, section) for block in quilt.blocks)
+        system = Quilted(quilt.blocks, matrices, dofs, fixed.ravel())
+    else:
+        matrices = shell.stiffness(positions, frames, mesh.elements, section)
+        system = System(mesh.elements, dofs, matrices, fixed.ravel())
     return Model(mesh, domain, section, material, support, positions, frames, flat, system, mesh_size_mm)
 
 

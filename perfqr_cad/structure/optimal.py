@@ -19,7 +19,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.structure.bars import bar_tensors, couplings
 from perfqr_cad.structure.candidates import Candidates, lattice_candidates
 from perfqr_cad.structure.measure import von_mises
-from perfqr_cad.structure.reanalysis import Reanalysis, hot_places, stress_operator
+from perfqr_cad.structure.reanalysis import Reanalysis, stress_operator
 from perfqr_cad.structure.t6 import Floats, Ints
 
 if TYPE_CHECKING:
@@ -129,8 +129,8 @@ class OptimalChoice:
         useful = np.ones(count, np.bool_)
         if count < 2:
             return useful
-        hot = hot_places(analysis.measure())
-        seen = analysis.subset(stress_operator(analysis.model, analysis.average, hot))
+        hot, _ = analysis.hot_places()
+        seen = analysis.subset(stress_operator(analysis.model, analysis.discs, hot))
         modes = analysis.modes // count
 
         def norm(bars: NDArray[np.bool_]) -> float:
@@ -153,11 +153,10 @@ class OptimalChoice:
         module_mm: float,
     ) -> list[int]:
         """Bars worth laying together now, best first."""
-        measure = analysis.measure()
-        if measure.max() <= AIM * self._limit or not open_rows.any():
+        hot, measure = analysis.hot_places()
+        if measure[0] <= AIM * self._limit or not open_rows.any():
             return []
-        hot = hot_places(measure)
-        operator = stress_operator(analysis.model, analysis.average, hot)
+        operator = stress_operator(analysis.model, analysis.discs, hot)
         now = operator @ analysis.displacement
         adjoint = analysis.solve(np.where(analysis.model.fixed, 0.0, operator.T @ _gradient(now, len(hot))))
         price = _price(bars, module_mm)

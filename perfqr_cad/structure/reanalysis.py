@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from perfqr_cad.structure.measure import DiscAverage, disc_average, von_mises
+from perfqr_cad.structure.measure import Discs
 from perfqr_cad.structure.model import Model
 from perfqr_cad.structure.solvers import Factor
 from perfqr_cad.structure.t6 import Floats, Ints
@@ -27,7 +27,7 @@ class Reanalysis:
 
     def __init__(self, model: Model, factor: Factor, forces: Floats, nozzle_mm: float) -> None:
         self.model = model
-        self.average = disc_average(model.mesh, nozzle_mm)
+        self.discs = Discs(model.mesh, nozzle_mm)
         self._factor = factor
         self._base = factor.solve(np.where(model.fixed, 0.0, forces))
         unknowns = len(forces)
@@ -67,25 +67,21 @@ class Reanalysis:
         small = np.eye(self.modes) + self._couplings.T @ self._flexibility
         return unbridged - self._flexibility @ np.linalg.solve(small, self._couplings.T @ unbridged)
 
-    def measure(self) -> Floats:
-        """The named measure at every corner node, in MPa."""
-        return von_mises(self.average(self.model.corner_stresses(self.displacement))).max(axis=1)
+    def hot_places(self) -> tuple[Ints, Floats]:
+        """The corner nodes with the largest of the named measure, and it in MPa, largest first."""
+        stress = self.model.corner_stresses(self.displacement)
+        places, measure = self.discs.hottest(stress, HOT_SHARE)
+        return places[:HOT_MOST], measure[:HOT_MOST]
 
     def largest(self) -> float:
         """The largest of the named measure, in MPa."""
-        return float(self.measure().max())
+        return float(self.discs.hottest(self.model.corner_stresses(self.displacement))[1][0])
 
 
-def hot_places(measure: Floats) -> Ints:
-    """The corner nodes with the largest stress."""
-    order = np.argsort(-measure)[:HOT_MOST]
-    return order[measure[order] >= HOT_SHARE * measure[order[0]]]
-
-
-def stress_operator(model: Model, average: DiscAverage, places: Ints) -> sp.csr_matrix:
+def stress_operator(model: Model, discs: Discs, places: Ints) -> sp.csr_matrix:
     """Averaged tensors at some corner nodes as a matrix (places·layers·5, n·d) on the displacement."""
-    rows = average.matrix[places]
-    elements = np.unique(rows.indices // 3)
+    rows = discs.matrix(places)
+    elements = np.unique(rows.indices // 3).astype(np.int64)
     columns = (elements[:, None] * 3 + np.arange(3)).ravel()
     part = model.alone(elements)
     unknowns = 6 * model.system.dofs
@@ -97,7 +93,7 @@ def stress_operator(model: Model, average: DiscAverage, places: Ints) -> sp.csr_
     # (elements, 3, layers·5, unknowns of the element)
     blocks = np.stack(unit, axis=-1).reshape(len(elements), 3, -1, unknowns)
     tensors = blocks.shape[2]
-    index = model.system.elements[elements][:, :, None] * model.system.dofs + np.arange(model.system.dofs)
+    index = model.mesh.elements[elements][:, :, None] * model.system.dofs + np.arange(model.system.dofs)
     index = np.broadcast_to(index.reshape(len(elements), 1, 1, unknowns), blocks.shape)
     row = np.arange(len(elements) * 3 * tensors).reshape(len(elements), 3, tensors, 1)
     row = np.broadcast_to(row, blocks.shape)

@@ -18,6 +18,7 @@ from perfqr_cad.structure.analysis import (
     MESH_SIZE_MODULES,
     analyse,
     bends_only,
+    lattice_of,
     prepare,
 )
 from perfqr_cad.structure.field import StressField
@@ -29,7 +30,6 @@ from perfqr_cad.structure.optimal import OptimalChoice
 from perfqr_cad.structure.paper import PaperChoice
 from perfqr_cad.structure.reanalysis import Reanalysis
 from perfqr_cad.structure.reinforcement import STRONG, Reinforcement
-from perfqr_cad.structure.solvers import factorise
 from perfqr_cad.surface import Placement
 
 if TYPE_CHECKING:
@@ -79,9 +79,10 @@ class _Job:
             nozzle_mm=self.nozzle_mm,
             mesh_size_mm=size,
             corner_size_mm=size,
+            lattice=lattice_of(pattern),
             bends=bends_only(self.load),
         )
-        factor = factorise(model.lower(), self.solver)
+        factor = model.factorise(self.solver)
         return Reanalysis(model, factor, forces_of(model, self.load, factor), self.nozzle_mm)
 
 

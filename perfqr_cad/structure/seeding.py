@@ -5,6 +5,8 @@ A mesher that is given these nodes fills the inside to match, so the grading is 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,23 +14,64 @@ from perfqr_cad.structure.t6 import Floats
 
 REENTRANT_DEG = 50.0  # a gentler bend, as between two chords of a fillet, needs no finer mesh
 GROWTH = 2.0  # length of an edge over that of the one nearer to the corner
+LAYER_SHARE = 0.7  # of an edge: what its layers may take up at most
+
+Flags = NDArray[np.bool_]
 
 
-def seed(outline: Floats, size_mm: float, corner_mm: float) -> Floats:
+@dataclass(frozen=True)
+class Grain:
+    """How fine a mesh is: its largest edge, the edges at sharp re-entrant corners, the edges of seams next to
+    free walls, where twisting has its boundary layer (0: no finer), and how far the outline may move."""
+
+    size_mm: float
+    corner_mm: float
+    layer_mm: float
+    tolerance_mm: float
+
+    def scaled(self, factor: float) -> Grain:
+        """The grain in another unit of length."""
+        return Grain(
+            self.size_mm * factor, self.corner_mm * factor, self.layer_mm * factor, self.tolerance_mm * factor
+        )
+
+
+def seed(outline: Floats, pinned: Flags, grain: Grain) -> Floats:
     """The points (k, 2) of a loop with material on its left, and nodes between them.
 
-    Edges start with `corner_mm` at re-entrant corners and grow to `size_mm`.
+    Edges start fine at re-entrant corners and grow. Pinned edges (flags by their first point) get nodes that
+    are the same, whole numbers, when the edge is run the other way.
     """
     fine = reentrant(outline)
     pieces: list[Floats] = []
-    for a, b, fine_a, fine_b in zip(outline, np.roll(outline, -1, 0), fine, np.roll(fine, -1), strict=True):
+    ends = np.roll(outline, -1, axis=0)
+    for k, (a, b) in enumerate(zip(outline, ends, strict=True)):
+        after = (k + 1) % len(outline)
+        if pinned[k]:
+            pieces.append(_pinned(a, b, not pinned[k - 1], not pinned[after], grain)[:-1])
+            continue
         length = float(np.hypot(*(b - a)))
-        at = _stations(length, size_mm, corner_mm if fine_a else size_mm, corner_mm if fine_b else size_mm)
-        pieces.append(a + at[:, None] * (b - a) / length)
+        first, last = (grain.corner_mm if fine[end] else grain.size_mm for end in (k, after))
+        pieces.append(a + _stations(length, grain.size_mm, first, last)[:, None] * (b - a) / length)
     return np.concatenate(pieces)
 
 
-def reentrant(outline: Floats) -> NDArray[np.bool_]:
+def _pinned(a: Floats, b: Floats, wall_at_a: bool, wall_at_b: bool, grain: Grain) -> Floats:
+    """Nodes from a to b, both included: even ones, and a layer at each end that is at a wall."""
+    if tuple(b) < tuple(a):
+        return _pinned(b, a, wall_at_b, wall_at_a, grain)[::-1]
+    length = float(np.hypot(*(b - a)))
+    layers = grain.layer_mm * np.array([wall_at_a, wall_at_b])
+    if layers.sum() > LAYER_SHARE * length:
+        layers = np.zeros(2)
+    inner = length - layers.sum()
+    parts = max(1, int(np.ceil(length / grain.size_mm - 0.01)))
+    at = layers[0] + inner * np.arange(parts + 1) / parts
+    at = np.unique(np.r_[0.0, at, length]) / length
+    return np.rint(a + at[:, None] * (b - a))
+
+
+def reentrant(outline: Floats) -> Flags:
     """Which corners of a loop with material on its left stick into the material."""
     before, after = outline - np.roll(outline, 1, axis=0), np.roll(outline, -1, axis=0) - outline
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]

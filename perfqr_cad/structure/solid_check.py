@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from perfqr_cad.structure.analysis import DEFAULT_NOZZLE_MM, bends_only, prepare
+from perfqr_cad.structure.analysis import DEFAULT_NOZZLE_MM, bends_only, lattice_of, prepare
 from perfqr_cad.structure.assembly import System
 from perfqr_cad.structure.loads import Load, Support
 from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.materials import material as material_named
-from perfqr_cad.structure.measure import disc_average, von_mises
+from perfqr_cad.structure.measure import Discs
 from perfqr_cad.structure.model import Model, forces_of
-from perfqr_cad.structure.solvers import factorise
 from perfqr_cad.structure.t6 import (
     FROM_GAUSS_TO_CORNERS,
     SIX_POINTS,
@@ -88,6 +87,7 @@ def verify_solid(
         support,
         nozzle_mm=nozzle_mm,
         mesh_size_mm=size,
+        lattice=lattice_of(pattern),
         bends=bends_only(load),
     )
     return check(model, load, nozzle_mm, solver)
@@ -95,7 +95,7 @@ def verify_solid(
 
 def check(model: Model, load: Load, nozzle_mm: float, solver: str | None = None) -> SolidCheck:
     """A shell model against the solid on its mesh."""
-    shell_factor = factorise(model.lower(), solver)
+    shell_factor = model.factorise(solver)
     forces = forces_of(model, load, shell_factor)
     shell_answer = shell_factor.solve(np.where(model.fixed, 0.0, forces))
 
@@ -110,10 +110,10 @@ def check(model: Model, load: Load, nozzle_mm: float, solver: str | None = None)
     system = System(elements, DOFS, matrices, fixed)
     right = np.zeros((LAYERS, nodes, DOFS))
     right[1] = model.translations(forces)
-    factor = factorise(system.lower(), solver)
+    factor = system.factorise(solver)
     answer = factor.solve(np.where(fixed, 0.0, right.ravel()))
 
-    average = disc_average(model.mesh, nozzle_mm)
+    discs = Discs(model.mesh, nozzle_mm)
     solid = stresses(model.positions, model.frames, model.mesh.elements, t, model.material, answer)
     middle = answer.reshape(LAYERS, nodes, DOFS)[1]
     return SolidCheck(
@@ -121,8 +121,8 @@ def check(model: Model, load: Load, nozzle_mm: float, solver: str | None = None)
         shell_deflection_mm=float(
             np.abs(np.einsum("nc,nc->n", model.translations(shell_answer), normals)).max()
         ),
-        solid_stress_mpa=float(von_mises(average(solid)).max()),
-        shell_stress_mpa=float(von_mises(average(model.corner_stresses(shell_answer))).max()),
+        solid_stress_mpa=float(discs.hottest(solid)[1][0]),
+        shell_stress_mpa=float(discs.hottest(model.corner_stresses(shell_answer))[1][0]),
         unknowns=int(np.count_nonzero(~fixed)),
         solver=factor.name,
     )

@@ -11,6 +11,7 @@ from perfqr_cad.structure.assembly import Flags
 from perfqr_cad.structure.loads import CORNER_PAD_FRACTION, Hold, Support
 from perfqr_cad.structure.t6 import Ints, Mesh
 
+LEAST_SIDE_SHARE = 0.1  # of its height: a part held along less of a side is held at points
 ON_HULL_FRACTION = 2e-3  # of the part's size: an outline this close to the convex hull lies on it
 
 
@@ -41,18 +42,22 @@ def _edges_on_hull(mesh: Mesh, polygon: Polygon) -> Ints:
 
 
 def _edges_on_sides(mesh: Mesh, polygon: Polygon, edges: Ints) -> Ints:
-    left, _, right, _ = polygon.bounds
+    left, bottom, right, top = polygon.bounds
     near = ON_HULL_FRACTION * _span(polygon)
-    x = mesh.nodes[edges, 0]
-    sides = {"left": (x < left + near).all(axis=1), "right": (x > right - near).all(axis=1)}
-    for name, on_side in sides.items():
-        if not on_side.any():
-            where = left if name == "left" else right
+    ends = mesh.nodes[edges[:, :2]]
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    least = LEAST_SIDE_SHARE * (top - bottom)
+    held_edges = np.zeros(len(edges), bool)
+    for name, where in (("left", left), ("right", right)):
+        on_side = (np.abs(ends[..., 0] - where) < near).all(axis=1)
+        held_edges |= on_side
+        held = float(length[on_side].sum())
+        if held < least:
             raise AnalysisError(
-                f"the part touches its {name} support (x = {where:.2f} mm) in no edge:"
-                " square its sides or clamp it all round"
+                f"the part touches its {name} support (x = {where:.2f} mm) along {held:.2f} mm"
+                f" (least {least:.2f} mm): square its sides or clamp it all round"
             )
-    return edges[sides["left"] | sides["right"]]
+    return edges[held_edges]
 
 
 def _in_corner_pads(mesh: Mesh, polygon: Polygon, support: Support) -> Flags:

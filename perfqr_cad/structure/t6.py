@@ -105,17 +105,33 @@ class Mesh:
         counts = np.bincount(edges[:, 2], minlength=len(self.nodes))
         return edges[counts[edges[:, 2]] == 1]
 
+    @cached_property
+    def neighbours(self) -> Ints:
+        """The element across each edge 01, 12, 20: (m, 3), -1 on the outline."""
+        middles = self.elements[:, 3:].ravel()
+        order = np.argsort(middles, kind="stable")
+        pair = np.flatnonzero(middles[order[1:]] == middles[order[:-1]])
+        one, other = order[pair], order[pair + 1]
+        across = np.full(len(middles), -1, np.int64)
+        across[one], across[other] = other // 3, one // 3
+        return across.reshape(-1, 3)
+
 
 def quadratic(vertices: Floats, triangles: Ints) -> Mesh:
     """The six-node mesh on a mesh of corner triangles (m, 3); turns clockwise triangles round."""
     triangles = np.asarray(triangles, np.int64)
-    p = vertices[triangles]
-    a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
-    clockwise = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] < 0.0
+    clockwise = twice_areas(vertices, triangles) < 0.0
     triangles = np.where(clockwise[:, None], triangles[:, [0, 2, 1]], triangles)
     elements, ends = with_middles(triangles, len(vertices))
     middles = 0.5 * (vertices[ends[:, 0]] + vertices[ends[:, 1]])
     return Mesh(np.vstack([vertices, middles]), elements, len(vertices))
+
+
+def twice_areas(vertices: Floats, triangles: Ints) -> Floats:
+    """Twice the signed area of each triangle (m,)."""
+    p = vertices[triangles]
+    a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 
 
 def with_middles(triangles: Ints, corners: int) -> tuple[Ints, Ints]:

@@ -217,8 +217,10 @@ def at_node(mesh: Mesh, stress: Floats, component: int, x: float, y: float) -> f
 
 def kirsch(size: float) -> float:
     """Stress at the top of a small hole over three times the remote tension (width 40 diameters)."""
-    hole = Point(0, 0).buffer(1.0, quad_segs=round(1.5 / size))
-    mesh = triangulate(box(0, 0, 40, 40).difference(hole), 2.0, size)
+    away = np.geomspace(1.0 + size, 40.0, round(8 / size**0.5))  # edges grow away from the hole
+    outline = [*np.c_[away, 0 * away], (40, 40), *np.c_[0 * away, away][::-1]]
+    angle = np.linspace(np.pi / 2, 0, round(1.5 / size) + 1)
+    mesh = triangulate(Polygon([*outline, *np.c_[np.cos(angle), np.sin(angle)].round(12)]), 2.0)
     edge = mesh.boundary[(mesh.nodes[mesh.boundary][..., 0] > 40 - 1e-6).all(axis=1)]
     stress = membrane(mesh, Section(1.0, 1.0, 0.3, KAPPA), lambda _: np.array([1.0, 0.0]), edge)
     return at_node(mesh, stress, 0, 0.0, 1.0) / 3.0

@@ -3,8 +3,8 @@ import pytest
 from shapely.geometry import Point, box
 
 from perfqr_cad.structure.gmsher import triangulate
-from perfqr_cad.structure.measure import disc_average, locate, neighbours, von_mises
-from perfqr_cad.structure.seeding import reentrant, seed
+from perfqr_cad.structure.measure import Discs, locate, von_mises
+from perfqr_cad.structure.seeding import Grain, reentrant, seed
 
 SQUARE = triangulate(box(0, 0, 10, 10).difference(box(4, 4, 6, 6)), 1.0)
 
@@ -13,9 +13,13 @@ def corner_values(values: np.ndarray) -> np.ndarray:
     return values[SQUARE.elements[:, :3]]
 
 
+def averages(values: np.ndarray) -> np.ndarray:
+    return Discs(SQUARE, 0.4).matrix(np.arange(SQUARE.corners)) @ values.ravel()
+
+
 def test_average_of_a_linear_field_is_its_value_at_an_inner_centre() -> None:
     x, y = SQUARE.nodes.T
-    averaged = disc_average(SQUARE, 0.4)(corner_values(2 * x - y))
+    averaged = averages(corner_values(2 * x - y))
     inner = np.setdiff1d(np.arange(SQUARE.corners), SQUARE.boundary)
     assert averaged[inner] == pytest.approx((2 * x - y)[inner], abs=0.02)
 
@@ -24,7 +28,19 @@ def test_average_at_the_edge_takes_the_material_side_only() -> None:
     x, _ = SQUARE.nodes.T
     left = int(np.argmin(np.hypot(*(SQUARE.nodes[: SQUARE.corners] - [0, 5]).T)))
     # The centroid of a half disc lies 4r/3π from its flat side.
-    assert disc_average(SQUARE, 0.4)(corner_values(x))[left] == pytest.approx(4 * 0.2 / (3 * np.pi), rel=0.1)
+    assert averages(corner_values(x))[left] == pytest.approx(4 * 0.2 / (3 * np.pi), rel=0.1)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.6])
+def test_hottest_places_are_those_of_averaging_everywhere(share: float) -> None:
+    stress = np.random.default_rng(3).normal(size=(len(SQUARE.elements), 3, 2, 5))
+    discs = Discs(SQUARE, 1.5)
+    every = discs.at(np.arange(SQUARE.corners), stress)
+    places, measure = discs.hottest(stress, share)
+    assert set(places) == set(np.flatnonzero(every >= share * every.max()))
+    assert measure == pytest.approx(every[places])
+    assert measure[0] == every.max()
+    assert every.max() < von_mises(stress).max()
 
 
 def test_points_in_the_hole_are_not_found() -> None:
@@ -36,7 +52,7 @@ def test_points_in_the_hole_are_not_found() -> None:
 
 
 def test_neighbours_are_mutual_and_missing_on_the_outline() -> None:
-    across = neighbours(SQUARE)
+    across = SQUARE.neighbours
     for element, row in enumerate(across):
         assert all(element in across[other] for other in row if other >= 0)
     assert (across < 0).sum() == len(SQUARE.boundary)
@@ -51,7 +67,7 @@ def test_von_mises_of_simple_states() -> None:
 def test_seeds_start_fine_at_reentrant_corners_only() -> None:
     outline = np.array([[0, 0], [10, 0], [10, 10], [5, 10], [5, 5], [0, 5]], float)
     assert reentrant(outline).tolist() == [False, False, False, False, True, False]
-    points = seed(outline, 2.0, 0.25)
+    points = seed(outline, np.zeros(6, bool), Grain(2.0, 0.25, 0.0, 0.0))
     steps = np.linalg.norm(np.diff(points, axis=0, append=points[:1]), axis=1)
     corner = int(np.flatnonzero((points == [5, 5]).all(axis=1))[0])
     assert steps[corner] == pytest.approx(0.25)
@@ -60,6 +76,18 @@ def test_seeds_start_fine_at_reentrant_corners_only() -> None:
     assert steps[0] == pytest.approx(2.0)
 
 
+def test_pinned_edges_look_the_same_from_both_sides_and_have_layers_at_walls() -> None:
+    square = np.array([[-101, -101], [101, -101], [101, 102], [-101, 102]], float)
+    pinned = np.array([True, True, False, False])
+    grain = Grain(50.0, 50.0, 7.0, 0.0)
+    points = seed(square, pinned, grain)
+    mirrored = seed(square[::-1], np.array([False, True, True, False]), grain)
+    along = {tuple(p) for p in points if p[1] == -101}
+    assert along == {tuple(p) for p in mirrored if p[1] == -101}
+    assert (-94.0, -101.0) in along
+    assert (94.0, -101.0) not in along  # the next edge is a seam too
+
+
 def test_circle_is_not_refined() -> None:
     disc = np.array(Point(0, 0).buffer(5).exterior.reverse().coords)[:-1]
-    assert len(seed(disc, 2.0, 0.01)) == len(disc)
+    assert len(seed(disc, np.zeros(len(disc), bool), Grain(2.0, 0.01, 0.0, 0.0))) == len(disc)

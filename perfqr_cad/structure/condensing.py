@@ -1,0 +1,146 @@
+"""A structure of repeated tiles: the inside of each kind is eliminated once, only the seams are factorised.
+
+With unknowns parted into those on seams (s) and those inside tiles (i), K_ii u_i = f_i - K_is u_s inside, and
+the seams carry S = K_ss - K_si K_ii⁻¹ K_is. Tiles that are congruent and held alike share K_ii⁻¹ and S. Tiles
+without a like are left whole: their elements join the seams.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from perfqr_cad.errors import AnalysisError
+from perfqr_cad.structure.assembly import Flags, Group, lower_triangle, scattered
+from perfqr_cad.structure.quilt import Block
+from perfqr_cad.structure.solvers import FREE_TO_MOVE, factorise
+from perfqr_cad.structure.t6 import Floats, Ints
+
+LEAST_COPIES = 4  # of a tile for which eliminating its inside is worth dense matrices
+
+
+@dataclass(frozen=True)
+class Quilted:
+    """A linear structure of blocks of tiles: element matrices (m, k·d, k·d) for each block's patch.
+
+    Every node has `dofs` unknowns, numbered node by node; `fixed` (n·d,) flags those that are held.
+    """
+
+    blocks: tuple[Block, ...]
+    matrices: tuple[Floats, ...]
+    dofs: int
+    fixed: Flags
+
+    def held_forces(self, displacement: Floats) -> Floats:
+        """See `assembly.Structure`."""
+        u = displacement.reshape(-1, self.dofs)
+        out = np.zeros_like(u)
+        held = np.asarray(self.fixed.reshape(-1, self.dofs).any(axis=1))
+        for block, matrices in zip(self.blocks, self.matrices, strict=True):
+            elements = block.elements[held[block.nodes].any(axis=1)]
+            local = u[elements].reshape(*elements.shape[:2], matrices.shape[2])
+            forces = np.matmul(matrices, local.transpose(1, 2, 0)).transpose(2, 0, 1)
+            out += scattered(elements, forces.reshape(-1, self.dofs), len(u))
+        return np.where(self.fixed, out.ravel(), 0.0)
+
+    def factorise(self, solver: str | None = None) -> Condensed:
+        """See `solvers.factorise`."""
+        return Condensed(self, solver)
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """Congruent tiles held alike: unknowns on their seams (t, a), free ones inside (t, b), matrices."""
+
+    seam: Ints
+    inner: Ints
+    flexibility: Floats  # K_ii⁻¹ (b, b)
+    follow: Floats  # K_ii⁻¹ K_is (b, a)
+
+
+class Condensed:
+    """The factor of a quilted structure."""
+
+    def __init__(self, structure: Quilted, solver: str | None) -> None:
+        d, nodes = structure.dofs, len(structure.fixed) // structure.dofs
+        uses = np.bincount(np.concatenate([b.nodes.ravel() for b in structure.blocks]), minlength=nodes)
+        self._kinds: list[_Kind] = []
+        groups: list[Group] = []
+        for block, matrices in zip(structure.blocks, structure.matrices, strict=True):
+            shared, held = uses[block.nodes] > 1, structure.fixed.reshape(nodes, d)[block.nodes]
+            for rows in _alike(shared, held):
+                if len(rows) < LEAST_COPIES:
+                    elements = block.elements[rows]
+                    groups.append(
+                        (elements.reshape(-1, elements.shape[2]), np.tile(matrices, (len(rows), 1, 1)))
+                    )
+                    continue
+                seam = np.flatnonzero(shared[rows[0]])
+                kind, stiffness = _condense(block, matrices, d, rows, seam, held[rows[0]])
+                self._kinds.append(kind)
+                groups.append(
+                    (
+                        block.nodes[np.ix_(rows, seam)],
+                        np.broadcast_to(stiffness, (len(rows), *stiffness.shape)),
+                    )
+                )
+        kept = np.unique(np.concatenate([elements.ravel() for elements, _ in groups]))
+        self._kept = (kept[:, None] * d + np.arange(d)).ravel()
+        groups = [(np.searchsorted(kept, elements), matrices) for elements, matrices in groups]
+        self._factor = factorise(lower_triangle(groups, d, structure.fixed[self._kept]), solver)
+        self.name = self._factor.name
+
+    def solve(self, right: Floats) -> Floats:
+        """See `solvers.Factor`."""
+        shape, right = right.shape, right.reshape(len(right), -1)
+        rest = right.copy()
+        for kind in self._kinds:
+            pushed = np.flatnonzero(right[kind.inner].any(axis=(1, 2)))
+            if len(pushed):
+                onto = np.einsum("ba,tbk->tak", kind.follow, right[kind.inner[pushed]], optimize=True)
+                rest -= scattered(kind.seam[pushed], onto.reshape(-1, right.shape[1]), len(right))
+        out = np.zeros_like(right)
+        out[self._kept] = self._factor.solve(rest[self._kept])
+        for kind in self._kinds:
+            inside = -np.einsum("ba,tak->tbk", kind.follow, out[kind.seam], optimize=True)
+            pushed = np.flatnonzero(right[kind.inner].any(axis=(1, 2)))
+            inside[pushed] += np.einsum(
+                "bc,tck->tbk", kind.flexibility, right[kind.inner[pushed]], optimize=True
+            )
+            out[kind.inner] = inside
+        return out.reshape(shape)
+
+
+def _alike(shared: Flags, held: Flags) -> Iterator[Ints]:
+    """Rows of the tiles of a block that have the same nodes on seams and the same unknowns held."""
+    flags = np.concatenate([shared, held.reshape(len(held), -1)], axis=1)
+    _, group = np.unique(np.packbits(flags, axis=1), axis=0, return_inverse=True)
+    group = group.reshape(-1)
+    order = np.argsort(group, kind="stable")
+    yield from np.split(order, np.flatnonzero(np.diff(group[order])) + 1)
+
+
+def _condense(
+    block: Block, matrices: Floats, dofs: int, rows: Ints, seam: Ints, held: Flags
+) -> tuple[_Kind, Floats]:
+    """The inside of some tiles of a block eliminated, and the stiffness S (a, a) left on their seams."""
+    count = block.nodes.shape[1]
+    local = (block.patch.elements[:, :, None] * dofs + np.arange(dofs)).reshape(len(matrices), -1)
+    whole = np.zeros((count * dofs, count * dofs))
+    np.add.at(whole, (local[:, :, None], local[:, None, :]), matrices)
+    on_seam = (seam[:, None] * dofs + np.arange(dofs)).ravel()
+    inside = np.setdiff1d(np.flatnonzero(~held.ravel()), on_seam)
+    # A held unknown on a seam does not move: what it would do inside the tile does not count.
+    moving = ~held.ravel()[on_seam]
+    try:
+        factor = cho_factor(whole[np.ix_(inside, inside)])
+    except np.linalg.LinAlgError as error:
+        raise AnalysisError(FREE_TO_MOVE) from error
+    follow = cho_solve(factor, whole[np.ix_(inside, on_seam)] * moving)
+    stiffness = whole[np.ix_(on_seam, on_seam)] - whole[np.ix_(on_seam, inside)] @ follow
+    unknowns = (block.nodes[rows][:, :, None] * dofs + np.arange(dofs)).reshape(len(rows), -1)
+    kind = _Kind(unknowns[:, on_seam], unknowns[:, inside], cho_solve(factor, np.eye(len(inside))), follow)
+    return kind, stiffness

@@ -1,0 +1,177 @@
+"""The meshes of tiles: each kind of tile is meshed once, however many of it there are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import LinearRing, LineString, Polygon
+
+from perfqr_cad.structure.gmsher import Face, triangulate_all
+from perfqr_cad.structure.seeding import Grain, seed
+from perfqr_cad.structure.t6 import Floats, Ints, Mesh, with_middles
+from perfqr_cad.structure.tiling import Content, Tiling
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Patch:
+    """The mesh of a tile about its centre: `nodes` (n, 2) in mm, corner nodes first, `corners` of them, and
+    six-node `elements` (m, 6) with the `classes` (m,) of their material.
+
+    `seam` (n,) tells which nodes lie on the tile's border. There `halves` (n, 2), in half units, is exact.
+    """
+
+    nodes: Floats
+    elements: Ints
+    classes: Ints
+    corners: int
+    seam: Flags
+    halves: Ints
+
+    @property
+    def mesh(self) -> Mesh:
+        """The tile's mesh by itself."""
+        return Mesh(self.nodes, self.elements, self.corners)
+
+
+class Patches:
+    """Patches by content, made when first asked for. Mutable: it grows, and may serve many analyses."""
+
+    def __init__(self, grain: Grain) -> None:
+        self.grain = grain
+        self._known: dict[tuple[int, int, bytes], Patch] = {}
+
+    def of(self, tiling: Tiling) -> list[Patch]:
+        """The patch of each content. New ones are meshed in one go."""
+        keys = [(tiling.lattice.half, tiling.low, content.key) for content in tiling.contents]
+        new = [k for k, key in enumerate(keys) if key not in self._known]
+        faces = [_faces(tiling.contents[k], tiling, self.grain) for k in new]
+        meshes = iter(triangulate_all([face for tile in faces for face, _ in tile], self.grain.size_mm))
+        for k, tile in zip(new, faces, strict=True):
+            parts = [(*next(meshes), index) for _, index in tile]
+            self._known[keys[k]] = _patch(parts, tiling)
+        return [self._known[key] for key in keys]
+
+
+def _faces(content: Content, tiling: Tiling, grain: Grain) -> list[tuple[Face, int]]:
+    """The pieces of a tile, outlines thinned and seeded with nodes, in mm, each with its class."""
+    unit, low, high = tiling.lattice.unit_mm, tiling.low, tiling.low + 2 * tiling.lattice.half
+    pieces = [
+        (piece, index)
+        for index in range(len(content.corners))
+        for piece in _pieces(content.edges[content.classes == index], content.corners[index], low, high)
+    ]
+    shared = _shared([piece for piece, _ in pieces])
+    faces = []
+    for piece, index in pieces:
+        if 2 * piece.area / piece.length < grain.tolerance_mm / unit:
+            continue  # the skin of material in the next tile
+        loops = []
+        for ring in (piece.exterior, *piece.interiors):
+            points, pinned = _thinned(ring, shared, low, high, grain.tolerance_mm / unit)
+            loops.append(unit * seed(points, pinned, grain.scaled(1.0 / unit)))
+        faces.append((Face(tuple(loops)), index))
+    return faces
+
+
+def _pieces(edges: Ints, corners: Flags, low: int, high: int) -> list[Polygon]:
+    """What lies to the left of directed edges in the square between low and high."""
+    square = [(low, low), (high, low), (high, high), (low, high)]
+    if not len(edges):
+        return [Polygon(square)] if corners.all() else []
+    ends = edges.reshape(-1, 2)
+    stops = np.unique(np.concatenate([ends[((ends == low) | (ends == high)).any(axis=1)], square]), axis=0)
+    x, y = stops.T
+    round_the_border = np.argsort(
+        np.select(
+            [y == low, x == high, y == high],
+            [x - low, high + y - 2 * low, 3 * high - x - 2 * low],
+            4 * high - y - 3 * low,
+        )
+    )
+    border = stops[round_the_border]
+    walls = shapely.linestrings(edges.reshape(-1, 2, 2).astype(float))
+    sides = shapely.linestrings(np.stack([border, np.roll(border, -1, axis=0)], axis=1).astype(float))
+    directed = set(map(tuple, edges.tolist()))
+    found = []
+    lines = np.append(np.asarray(walls), np.asarray(sides))
+    for face in shapely.get_parts(shapely.polygonize(lines)):
+        face = shapely.orient_polygons(face)
+        for ring in shapely.get_rings(face):
+            points = shapely.get_coordinates(ring)
+            steps = np.hstack([points[:-1], points[1:]]).astype(np.int64)
+            if not directed.isdisjoint(map(tuple, steps.tolist())):
+                found.append(face)
+                break
+    return found
+
+
+def _shared(pieces: Sequence[Polygon]) -> set[tuple[float, float]]:
+    """Points that belong to more than one piece."""
+    if len(pieces) < 2:
+        return set()
+    points = np.concatenate([np.unique(shapely.get_coordinates(piece), axis=0) for piece in pieces])
+    found, counts = np.unique(points, axis=0, return_counts=True)
+    return set(map(tuple, found[counts > 1].tolist()))
+
+
+def _thinned(
+    ring: LinearRing, shared: set[tuple[float, float]], low: int, high: int, tolerance: float
+) -> tuple[Floats, Flags]:
+    """The points (k, 2) of a ring without those that its shape does not need, and for each whether the edge
+    from it is pinned: it lies on the border, or between two pieces, and looks the same from both sides.
+    """
+    points = shapely.get_coordinates(ring)[:-1]
+    kept = ((points == low) | (points == high)).any(axis=1)
+    if shared:
+        kept |= np.array([tuple(point) in shared for point in points.tolist()])
+    if not kept.any():
+        thin = shapely.get_coordinates(shapely.simplify(ring, tolerance))[:-1]
+        return thin, np.zeros(len(thin), bool)
+    points = np.roll(points, -int(np.argmax(kept)), axis=0)
+    stops = np.append(np.flatnonzero(np.roll(kept, -int(np.argmax(kept)))), len(points))
+    closed = np.vstack([points, points[:1]])
+    chains, pinned = [], []
+    for start, end in pairwise(stops):
+        chain = closed[start : end + 1]
+        if len(chain) > 2:
+            chain = shapely.get_coordinates(shapely.simplify(LineString(chain), tolerance))
+        chains.append(chain[:-1])
+        a, b = chain[0], chain[-1]
+        straight = len(chain) == 2
+        on_border = bool(((a == b) & ((a == low) | (a == high))).any())
+        between = {tuple(a), tuple(b)} <= shared
+        pinned.append(np.full(len(chain) - 1, straight and (on_border or between)))
+    return np.concatenate(chains), np.concatenate(pinned)
+
+
+def _patch(parts: list[tuple[Floats, Ints, int]], tiling: Tiling) -> Patch:
+    """The meshes (vertices in mm, triangles, class) of a tile's pieces as one, sewn where they touch."""
+    unit = tiling.lattice.unit_mm
+    vertices = np.concatenate([part[0] for part in parts] or [np.zeros((0, 2))])
+    starts = np.cumsum([0, *(len(part[0]) for part in parts)])
+    triangles = np.concatenate(
+        [part[1] + start for part, start in zip(parts, starts, strict=False)] or [np.zeros((0, 3), np.int64)]
+    )
+    classes = np.repeat([part[2] for part in parts], [len(part[1]) for part in parts])
+    units, first, same = np.unique(
+        np.rint(vertices / unit).astype(np.int64), axis=0, return_index=True, return_inverse=True
+    )
+    elements, ends = with_middles(same.reshape(-1)[triangles], len(units))
+    vertices = vertices[first]
+    halves = np.concatenate([2 * units, units[ends[:, 0]] + units[ends[:, 1]]])
+    border = np.array([tiling.low, tiling.low + 2 * tiling.lattice.half]) * 2
+    return Patch(
+        nodes=np.vstack([vertices, 0.5 * (vertices[ends[:, 0]] + vertices[ends[:, 1]])]),
+        elements=elements,
+        classes=classes.astype(np.int64),
+        corners=len(units),
+        seam=np.asarray(np.isin(halves, border).any(axis=1)),
+        halves=halves,
+    )
