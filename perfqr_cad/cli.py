@@ -80,6 +80,11 @@ def make(
     depth: Annotated[float | None, _option(help="Depth of blind pockets, mm; else through.")] = None,
     fillet: Annotated[float | None, _option(help="Radius of re-entrant corners, mm.")] = None,
     style: Annotated[str | None, _option(help="square, rounded, dots, ...: see params.")] = None,
+    frame: Annotated[float | None, _option(help="Frame around the quiet zone, mm.")] = None,
+    corner_radius: Annotated[float | None, _option(help="Radius of the outer corners, mm.")] = None,
+    hole: Annotated[
+        list[str] | None, _option(help="Mounting holes in the frame: D (corners) or X,Y,D. Repeats.")
+    ] = None,
     finder: Annotated[str | None, _option(help="Bars of the finder rings: see params.")] = None,
     objective: Annotated[str | None, _option(help="optimal, or the paper's: paper.")] = None,
     quiet: Annotated[int | None, _option(help="Light margin around the code, modules.")] = None,
@@ -96,6 +101,7 @@ def make(
         "nozzle": nozzle, "level": None if level is None else level.value, "version": version,
         "pressure": pressure, "yield": yield_, "material": material, "support": support,
         "verify_solid": verify_solid or None, "draft": draft, "lip": lip, "depth": depth, "fillet": fillet,
+        "frame": frame, "corner_radius": corner_radius, "hole": "; ".join(hole) if hole else None,
         "style": style, "finder": finder, "objective": objective, "quiet": quiet, "tone": tone,
         "scan_tilt": scan_tilt, "seed": seed,
     }  # fmt: skip

@@ -42,7 +42,7 @@ class Target(Protocol):
         ...
 
     def placement(self, size_mm: float) -> Placement:
-        """Where a code of this edge (quiet zone included) lies. `DesignError` when it does not fit."""
+        """Where a code of this edge (with quiet zone and frame) lies. `DesignError` when it does not fit."""
         ...
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
@@ -169,7 +169,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             request = _tuned(request, target, drawn)
     target = target or _plate(request)
     with watch("placement"):
-        placement = target.placement(drawn.size_mm)
+        placement = target.placement(drawn.extent_mm)
     with watch("structure"):
         reinforced = structure.reinforce(
             drawn,
@@ -257,7 +257,7 @@ def _tuned(request: Request, target: Target | None, drawn: Pattern) -> Request:
 
     def carve(wish: Request) -> tuple[Triangles, Placement]:
         chosen = target or _plate(wish)
-        placement = chosen.placement(drawn.size_mm)
+        placement = chosen.placement(drawn.extent_mm)
         return chosen.solid(drawn, placement, terms.walls(wish)).triangles, placement
 
     return for_reader(request, drawn, _payload(drawn.symbol), carve, plate=target is None)

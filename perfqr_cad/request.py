@@ -17,6 +17,9 @@ class Request:
     size_mm          edge of the whole code with its quiet zone; None: the smallest the nozzle can make
     yield_mpa        None: the material's own
     fillet_mm        radius of re-entrant corners; None: half the nozzle
+    frame_mm         width of a frame around the quiet zone; corner_radius_mm rounds its outer corners
+    holes_mm         mounting holes in it: (x, y, diameter) each, from the centre of the code
+    corner_hole_mm   diameter of four mounting holes in its corners; None: none
     depth_mm         depth of blind pockets instead of through-holes; None: through
     verify_solid     whether the strength is checked once more in three dimensions
     scan_tilt_deg    tilt at which the part must still read; None: nothing is asked beyond the frontal view
@@ -37,6 +40,10 @@ class Request:
     style: str = "square"
     fillet_mm: float | None = None
     tone: str = "normal"
+    frame_mm: float = 0.0
+    corner_radius_mm: float = 0.0
+    holes_mm: tuple[tuple[float, float, float], ...] = ()
+    corner_hole_mm: float | None = None
     finder: str = "panel"
     objective: str = "optimal"
     contour: str = "smooth"
@@ -80,6 +87,9 @@ _RANGES: tuple[tuple[str, float, float], ...] = (
     ("nozzle_mm", 0.01, 10.0),
     ("quiet_modules", 1, 20),
     ("fillet_mm", 0.0, 100.0),
+    ("frame_mm", 0.0, 1000.0),
+    ("corner_radius_mm", 0.0, 1000.0),
+    ("corner_hole_mm", 0.01, 100.0),
     ("draft_deg", 0.0, 60.0),
     ("lip_mm", 0.0, 500.0),
     ("depth_mm", 0.01, 500.0),
@@ -87,3 +97,24 @@ _RANGES: tuple[tuple[str, float, float], ...] = (
     ("yield_mpa", 1e-3, 1e5),
     ("scan_tilt_deg", 0.0, 60.0),
 )
+
+
+def read_holes(text: str) -> dict[str, Any]:
+    """Mounting holes as people write them: `3` for four in the corners, `0,35,4; 0,-35,4` for x, y, diameter.
+
+    The fields `holes_mm` and `corner_hole_mm` of a `Request`. Raises `DesignError` for anything else.
+    """
+    holes: list[tuple[float, ...]] = []
+    corner: float | None = None
+    for part in filter(None, (part.strip() for part in text.split(";"))):
+        try:
+            numbers = tuple(float(number) for number in part.split(","))
+        except ValueError:
+            numbers = ()
+        if len(numbers) not in (1, 3):
+            raise DesignError(f"hole {part!r} is no diameter and no x,y,diameter: write 3 or 0,35,4 (mm)")
+        if len(numbers) == 3:
+            holes.append(numbers)
+        else:
+            corner = numbers[0]
+    return {"holes_mm": tuple(holes), "corner_hole_mm": corner}

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def spec(request: Request) -> PatternSpec:
     """What the pattern is asked to be."""
-    from perfqr_cad.pattern import PatternSpec
+    from perfqr_cad.pattern import Hole, PatternSpec, Surround
 
     return PatternSpec(
         size_mm=request.size_mm,
@@ -28,6 +28,12 @@ def spec(request: Request) -> PatternSpec:
         objective=request.objective,  # pyright: ignore[reportArgumentType]
         contour=request.contour,  # pyright: ignore[reportArgumentType]
         tone=request.tone,  # pyright: ignore[reportArgumentType]
+        surround=Surround(
+            frame_mm=request.frame_mm,
+            corner_radius_mm=request.corner_radius_mm,
+            holes=tuple(Hole(*hole) for hole in request.holes_mm),
+            corner_hole_mm=request.corner_hole_mm,
+        ),
         seed=request.seed,
     )
 

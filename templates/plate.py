@@ -1,6 +1,7 @@
 """A flat plate with a perforated code."""
 
 from perfqr_cad import make
+from perfqr_cad.request import read_holes
 
 # [Code]
 # the text of the code
@@ -37,6 +38,12 @@ draft = 0  # [0:1:60]
 lip = 0  # [0:0.1:50]
 # depth of blind pockets instead of through-holes, mm; 0 goes through
 depth = 0  # [0:0.1:50]
+# frame around the quiet zone, mm
+frame = 0  # [0:0.5:200]
+# radius of the outer corners, mm
+corner_radius = 0  # [0:0.5:200]
+# mounting holes in the frame, mm: 3 for one in each corner, or x,y,diameter; x,y,diameter
+hole = ""
 # width of one printed line or of the kerf, mm
 nozzle = 0.4  # [0.05:0.05:2]
 
@@ -75,6 +82,9 @@ def build(p):
         thickness_mm=p.thickness,
         draft_deg=p.draft,
         lip_mm=p.lip,
+        frame_mm=p.frame,
+        corner_radius_mm=p.corner_radius,
+        **read_holes(p.hole),
         depth_mm=p.depth or None,
         nozzle_mm=p.nozzle,
         material=p.material,

@@ -1,0 +1,33 @@
+"""A request is checked once, and reads the short notations of the command line."""
+
+import pytest
+
+from perfqr_cad import terms
+from perfqr_cad.errors import DesignError
+from perfqr_cad.request import Request, read_holes
+
+
+def test_holes_are_read_as_written() -> None:
+    assert read_holes("") == {"holes_mm": (), "corner_hole_mm": None}
+    assert read_holes("3.2") == {"holes_mm": (), "corner_hole_mm": 3.2}
+    assert read_holes("0,35,4; 0,-35,4;3") == {
+        "holes_mm": ((0.0, 35.0, 4.0), (0.0, -35.0, 4.0)),
+        "corner_hole_mm": 3.0,
+    }
+
+
+@pytest.mark.parametrize("text", ["1,2", "big", "1,2,3,4", "3mm"])
+def test_a_hole_that_is_none(text: str) -> None:
+    with pytest.raises(DesignError, match="is no diameter"):
+        read_holes(text)
+
+
+def test_the_frame_reaches_the_pattern() -> None:
+    surround = terms.spec(Request("HELLO", frame_mm=8, corner_radius_mm=3, **read_holes("0,21,2"))).surround
+    assert (surround.frame_mm, surround.corner_radius_mm, len(surround.holes)) == (8, 3, 1)
+
+
+@pytest.mark.parametrize(("name", "value"), [("frame_mm", -1.0), ("thickness_mm", float("nan")), ("mask", 9)])
+def test_values_that_cannot_be_meant(name: str, value: float) -> None:
+    with pytest.raises(DesignError, match=name):
+        Request("HELLO", **{name: value})
