@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern.surround import Surround
+from perfqr_cad.pattern.surround import NOTHING, Surround
 
 Style = Literal["square", "rounded", "dots", "diamond", "bars"]
 FinderStrategy = Literal["panel", "diagonal", "recessed"]
@@ -52,7 +52,7 @@ class PatternSpec:
     loss_weight: float = 1.0
     tone: Tone = "normal"
     contour: Contour = "smooth"
-    surround: Surround = Surround()
+    surround: Surround = NOTHING
     seed: int = 0
     time_limit_s: float = 10.0
 

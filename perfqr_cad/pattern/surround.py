@@ -29,8 +29,9 @@ class Hole:
             raise DesignError(f"a hole of diameter {self.diameter_mm:g} mm: give a number above 0")
 
     @property
-    def loop(self) -> Loop:
-        return Loop((Circle((self.x_mm, self.y_mm), self.diameter_mm / 2, ccw=False),))
+    def circle(self) -> Circle:
+        """Its edge, clockwise as holes run."""
+        return Circle((self.x_mm, self.y_mm), self.diameter_mm / 2, ccw=False)
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,9 @@ class Surround:
         return (*self.holes, *(Hole(x, y, self.corner_hole_mm) for x, y in corners))
 
 
+NOTHING = Surround()
+
+
 def surrounded(
     front: Sequence[Region], size_mm: float, surround: Surround, web_mm: float
 ) -> tuple[Region, ...]:
@@ -85,7 +89,7 @@ def surrounded(
     outer = _outline(size_mm / 2 + surround.frame_mm, surround.corner_radius_mm)
     holes = surround.all_holes(size_mm)
     _check(outer, holes, body.holes, size_mm, web_mm)
-    return Region(outer, (*body.holes, *(hole.loop for hole in holes))), *others
+    return Region(outer, (*body.holes, *(Loop((hole.circle,)) for hole in holes))), *others
 
 
 def _outline(half_mm: float, radius_mm: float) -> Loop:

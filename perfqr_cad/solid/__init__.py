@@ -12,20 +12,40 @@ from .shape import Solid
 from .walls import Walls
 
 if TYPE_CHECKING:
-    from .assemble import build, build_front, build_region
+    from .assemble import back, build, build_plan, build_region
+    from .backing import Backing
+    from .caption import Caption
     from .imported.meshing import mesh_step
+    from .plan import Plan
     from .step import read_step, write_step
 
 _HOMES = {
+    "Backing": "backing",
+    "Caption": "caption",
+    "Plan": "plan",
+    "back": "assemble",
     "build": "assemble",
-    "build_front": "assemble",
+    "build_plan": "assemble",
     "build_region": "assemble",
     "mesh_step": "imported.meshing",
     "read_step": "step",
     "write_step": "step",
 }
 
-__all__ = ["Solid", "Walls", "build", "build_front", "build_region", "mesh_step", "read_step", "write_step"]
+__all__ = [
+    "Backing",
+    "Caption",
+    "Plan",
+    "Solid",
+    "Walls",
+    "back",
+    "build",
+    "build_plan",
+    "build_region",
+    "mesh_step",
+    "read_step",
+    "write_step",
+]
 
 
 def __getattr__(name: str) -> Any:

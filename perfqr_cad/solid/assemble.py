@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.outline import Region
-from perfqr_cad.surface import Cone, HeightField, Placement, Plane, Revolved
+from perfqr_cad.surface import Cone, HeightField, Placement, Plane, Revolved, Triangles
 
 from . import occ
+from .backing import Backing
+from .caption import Caption
 from .chart import Chart
 from .curved_charts import ConeChart, HeightFieldChart, RevolvedChart
 from .expected import volume_mm3
 from .mesh import CHORD_MM, triangulate
-from .occ import EDGE, FACE, SOLID, explore
+from .occ import EDGE, FACE, SOLID
+from .plan import Plan
 from .plane_chart import PlaneChart
 from .proof import check
 from .punch import panel
-from .recess import NoRecess
-from .sections import Sections, sections
-from .shape import LIGHT, Colour, Solid
+from .sections import Sections
+from .shape import LIGHT, Colour, Corner, Solid
 from .walls import Walls
 
 # Share of the volume by which the modeller may differ from the closed form: rounding on straight plates; on
@@ -39,6 +40,7 @@ def build(
     placement: Placement,
     walls: Walls | None = None,
     *,
+    caption: Caption | None = None,
     name: str = "perforated-qr",
     colour: Colour = LIGHT,
     chord_mm: float = CHORD_MM,
@@ -48,17 +50,11 @@ def build(
 
     Raises `DesignError` for walls that cannot be made, `KernelError` for a bad solid.
     """
-    return build_front(
-        pattern.front,
-        pattern.recessed,
-        pattern.region,
-        placement,
-        walls,
-        min_web_mm=pattern.spec.web_mm,
-        name=name,
-        colour=colour,
-        chord_mm=chord_mm,
-    )
+    plan = plan_of(pattern)
+    if caption is not None:
+        letters = caption.below(pattern, placement.thickness_mm)
+        plan = replace(plan, letters=letters, relief_mm=caption.relief_mm)
+    return build_plan(plan, placement, walls, name=name, colour=colour, chord_mm=chord_mm)
 
 
 def build_region(
@@ -72,57 +68,72 @@ def build_region(
     chord_mm: float = CHORD_MM,
 ) -> Solid:
     """The part of any region of the pattern plane, mm; otherwise as `build`."""
-    return build_front(
-        (region,),
-        (),
-        region,
-        placement,
-        walls,
-        min_web_mm=min_web_mm,
-        name=name,
-        colour=colour,
-        chord_mm=chord_mm,
-    )
+    plan = Plan((region,), min_web_mm=min_web_mm)
+    return build_plan(plan, placement, walls, name=name, colour=colour, chord_mm=chord_mm)
 
 
-def build_front(
-    front: Sequence[Region],
-    bars: Sequence[Bridge],
-    flush: Region,
+def build_plan(
+    plan: Plan,
     placement: Placement,
     walls: Walls | None = None,
     *,
-    min_web_mm: float = 0.0,
     name: str = "perforated-qr",
     colour: Colour = LIGHT,
     chord_mm: float = CHORD_MM,
 ) -> Solid:
-    """The part of several pieces joined by recessed bars; `flush` is the region that holds where the bars
-    cannot lie behind the face. Otherwise as `build`."""
+    """The part of a plan; otherwise as `build`."""
     walls = walls or Walls()
+    stands, notes = plan.sections(placement.thickness_mm, walls, chart_of(placement).whole_circles)
+    exact = placement.is_flat and walls.draft_deg == 0
+    limit = FLAT_VOLUME_TOL if exact else CURVED_VOLUME_TOL
+    solid = _stood(stands, placement, limit, chord_mm)
+    return replace(solid, notes=notes, name=name, colour=colour)
+
+
+def back(
+    pattern: Pattern,
+    placement: Placement,
+    backing: Backing,
+    *,
+    name: str = "backing",
+    chord_mm: float = CHORD_MM,
+) -> Solid:
+    """The plate behind a part. Raises `DesignError` where the wall bends too tightly for it."""
+    plan = plan_of(pattern)
+    loops = backing.loops(plan.front[0], plan.mounts)
+    stands = backing.sections(loops, placement, chart_of(placement).whole_circles)
+    limit = FLAT_VOLUME_TOL if placement.is_flat else CURVED_VOLUME_TOL
+    return replace(_stood(stands, placement, limit, chord_mm), name=name, colour=backing.colour)
+
+
+def plan_of(pattern: Pattern) -> Plan:
+    """What a pattern's own part is made of."""
+    mounts = pattern.spec.surround.all_holes(pattern.size_mm)
+    return Plan(
+        pattern.front,
+        pattern.recessed,
+        pattern.region,
+        pattern.spec.web_mm,
+        tuple(hole.circle for hole in mounts),
+    )
+
+
+def _stood(stands: Sections, placement: Placement, volume_tol: float, chord_mm: float) -> Solid:
+    """The solid of some sections, measured and checked."""
     chart = chart_of(placement)
-    stands, notes = _sections(front, bars, flush, placement.thickness_mm, walls, chart, min_web_mm)
     with occ.kernel("building the solid", "simplify the outline or move the code to a smoother place"):
         shape = panel(stands, chart)
         volume = occ.volume(shape)
         expected = volume_mm3(stands.wells, placement)
-        if (
-            abs(volume - expected) > CURVED_VOLUME_TOL * expected
-        ):  # the quick rule is coarse on spline surfaces
+        # The quick rule is coarse on spline surfaces.
+        if abs(volume - expected) > CURVED_VOLUME_TOL * expected:
             volume = occ.volume(shape, VOLUME_ACCURACY)
-        bbox = occ.bounds(explore(shape, FACE)[: stands.pieces + 1])  # walls are ruled between their edges
+    back_mm = stands.wells[0].levels[-1].depth_mm
     triangles = triangulate(
-        stands.wells,
-        placement.thickness_mm,
-        placement.at_depth,
-        tops=stands.tops,
-        chord_mm=chord_mm,
-        flat=placement.is_flat,
+        stands.wells, back_mm, placement.at_depth, tops=stands.tops, chord_mm=chord_mm, flat=placement.is_flat
     )
-    exact = placement.is_flat and walls.draft_deg == 0
-    limit = FLAT_VOLUME_TOL if exact else CURVED_VOLUME_TOL
     problems = check(
-        shape, genus=stands.genus, expected_volume_mm3=expected, volume_tol=limit, volume_mm3=volume
+        shape, genus=stands.genus, expected_volume_mm3=expected, volume_tol=volume_tol, volume_mm3=volume
     )
     if not triangles.closed:
         problems = (*problems, "the triangles do not close")
@@ -136,28 +147,16 @@ def build_front(
         volume_mm3=volume,
         expected_volume_mm3=expected,
         problems=problems,
-        notes=notes,
-        bbox_mm=bbox,
-        name=name,
-        colour=colour,
+        bbox_mm=_bounds(triangles),
     )
 
 
-def _sections(
-    front: Sequence[Region],
-    bars: Sequence[Bridge],
-    flush: Region,
-    thickness_mm: float,
-    walls: Walls,
-    chart: Chart,
-    min_web_mm: float,
-) -> tuple[Sections, tuple[str, ...]]:
-    """The loops of the part, and what was made otherwise than asked."""
-    whole = chart.whole_circles
-    try:
-        return sections(front, thickness_mm, walls, whole, bars=bars, min_web_mm=min_web_mm), ()
-    except NoRecess as reason:
-        return sections([flush], thickness_mm, walls, whole, min_web_mm=min_web_mm), (str(reason),)
+def _bounds(triangles: Triangles) -> tuple[Corner, Corner]:
+    """Of the mesh: exact on plates, within the chord elsewhere."""
+    (x0, y0, z0), (x1, y1, z1) = (
+        f(axis=0).tolist() for f in (triangles.vertices.min, triangles.vertices.max)
+    )
+    return (x0, y0, z0), (x1, y1, z1)
 
 
 def chart_of(placement: Placement) -> Chart:

@@ -65,14 +65,16 @@ class Well:
 
     loops   one for each level, the uppermost first, with equally many segments
     levels  their depths: from the front, or from the level of the bars for what stands below it
-    floor   whether the last loop bounds a floor (a blind pocket)
-    piece   which piece of the front face a loop at the front bounds
+    floor   number of the floor that the last loop bounds (a blind pocket's), from 1; 0: none
+    crest   number of the raised face that the first loop bounds (a letter's), from 1; 0: none
+    piece   which piece of the front face a loop at the front bounds; below a crest, the last one
     part_of the well from front to back of which this is a storey: curves are fitted to the whole
     """
 
     loops: tuple[Loop, ...]
     levels: tuple[Level, ...]
-    floor: bool = False
+    floor: int = 0
+    crest: int = 0
     piece: int = 0
     part_of: Well | None = None
 

@@ -62,32 +62,72 @@ class Ring:
 
 def triangulate(
     wells: Sequence[Well],
-    thickness_mm: float,
+    back_mm: float,
     place: Map,
     *,
     tops: Sequence[Top] = (),
     chord_mm: float = CHORD_MM,
     flat: bool = False,
 ) -> Triangles:
-    """The closed mesh of a panel: the first well is its rim. `flat` maps need no refinement."""
+    """The closed mesh of a panel: the first well is its rim. `flat` maps need no refinement.
+
+    back_mm  depth of the back face
+    """
     rings = flattened(wells, place, chord_mm, flat, tops)
     mesh = _Mesh(place, chord_mm, flat)
     seam = _Seam(tops[0].depth_mm if tops else None, mesh)
     columns = [[seam.ring(ring, k) for k in range(len(ring.levels))] for ring in rings]
-    for piece in sorted({ring.well.piece for ring in rings}):
-        mouths = [i for i, r in enumerate(rings) if r.well.piece == piece and r.depths_mm[0] != seam.depth_mm]
-        mesh.cap([columns[i][0] for i in mouths], [rings[i].levels[0] for i in mouths], 0.0, up=True)
-    feet = [i for i, r in enumerate(rings) if not r.well.floor and r.depths_mm[-1] != seam.depth_mm]
-    behind = [columns[i][-1] for i in feet], [rings[i].levels[-1] for i in feet]
-    mesh.cap(*behind, thickness_mm, up=False)
-    for column, ring in zip(columns, rings, strict=True):
+    for face in _faces(rings, back_mm, seam.depth_mm):
+        index = [columns[i][k][:: face.way(k)] for i, k in face.rings]
+        mesh.cap(
+            index, [rings[i].levels[k][:: face.way(k)] for i, k in face.rings], face.depth_mm, up=face.up
+        )
+    for column in columns:
         for upper, lower in pairwise(column):
             mesh.wall(upper, lower)
-        if ring.well.floor:
-            mesh.cap([column[-1][::-1]], [ring.levels[-1][::-1]], ring.depths_mm[-1], up=True)
     for top in tops:
         mesh.cap(*seam.around(top), top.depth_mm, up=True)
     return mesh.triangles()
+
+
+@dataclass(frozen=True)
+class _Face:
+    """A cap: which rings bound it, by number and level (0 or −1), its outline first."""
+
+    depth_mm: float
+    rings: list[tuple[int, int]]
+    up: bool = True
+    turned: int | None = None  # the level whose rings are seen against their direction of travel
+
+    def way(self, k: int) -> int:
+        """1, or −1 for a ring that is to be turned round."""
+        return -1 if k == self.turned else 1
+
+
+def _faces(rings: Sequence[Ring], back_mm: float, seam_mm: float | None) -> list[_Face]:
+    """The pieces of the front, the back, floors and crests."""
+    fronts: dict[int, list[tuple[int, int]]] = {}
+    crests: dict[int, list[tuple[int, int]]] = {}
+    floors: dict[int, list[tuple[int, int]]] = {}
+    back: list[tuple[int, int]] = []
+    for i, ring in enumerate(rings):
+        well = ring.well
+        if well.crest:
+            crests.setdefault(well.crest, []).append((i, 0))
+            fronts.setdefault(well.piece, []).append((i, -1))
+            continue
+        if ring.depths_mm[0] != seam_mm:
+            fronts.setdefault(well.piece, []).append((i, 0))
+        if well.floor:
+            floors.setdefault(well.floor, []).append((i, -1))
+        elif ring.depths_mm[-1] != seam_mm:
+            back.append((i, -1))
+    return [
+        *(_Face(rings[0].depths_mm[0], found, turned=-1) for _, found in sorted(fronts.items())),
+        _Face(back_mm, back, up=False),
+        *(_Face(rings[found[0][0]].depths_mm[0], found) for found in crests.values()),
+        *(_Face(rings[found[0][0]].depths_mm[-1], found, turned=-1) for found in floors.values()),
+    ]
 
 
 def flattened(

@@ -25,16 +25,21 @@ from .tube import BUILDER, Tube, cap, shell_faces
 
 def panel(sections: Sections, chart: Chart) -> TopoDS_Solid:
     """A wall of its own, whose first well is its rim: a front face for each piece, one back."""
+    first, *_, last = sections.wells[0].levels
     made, tops = shell_faces(sections, chart)
-    fronts = [cap(chart, 0.0, wires, outwards=True) for wires in mouths(made)]
-    back = cap(chart, chart.thickness_mm, [t.foot for t in made if t.foot is not None], outwards=False)
+    fronts = [cap(chart, first.depth_mm, wires, outwards=True) for wires in mouths(made)]
+    back = cap(chart, last.depth_mm, [t.foot for t in made if t.foot is not None], outwards=False)
     return solid_of([*fronts, back, *(face for t in made for face in t.faces), *tops])
 
 
 def mouths(tubes: Sequence[Tube]) -> list[list[TopoDS_Wire]]:
     """The wires of each piece of the front face."""
-    pieces = sorted({t.piece for t in tubes if t.mouth is not None})
-    return [[t.mouth for t in tubes if t.mouth is not None and t.piece == piece] for piece in pieces]
+    pieces: dict[int, list[TopoDS_Wire]] = {}
+    for tube in tubes:
+        wire = tube.mouth or tube.base
+        if wire is not None:
+            pieces.setdefault(tube.well.piece, []).append(wire)
+    return [wires for _, wires in sorted(pieces.items())]
 
 
 def perforated(face: TopoDS_Face, wires: Sequence[TopoDS_Wire], towards_reader: bool) -> TopoDS_Face:

@@ -190,7 +190,7 @@ def _storey(
 ) -> Well:
     """A well between two of the levels, as a part of the well through them all."""
     loops = tuple(Loop(segments) for segments in zip(*stacks, strict=True))
-    return Well(loops[first : last + 1], levels[first : last + 1], False, piece, part_of=Well(loops, levels))
+    return Well(loops[first : last + 1], levels[first : last + 1], piece=piece, part_of=Well(loops, levels))
 
 
 def _top(ends: dict[Mark, Stack], sides: dict[Mark, Stack], bar: int, k: int, depth_mm: float) -> Top:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from shapely import Point, Polygon
 
 from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.outline import Arc, Circle, Loop, Region
@@ -13,7 +14,7 @@ from perfqr_cad.pattern.outline import Arc, Circle, Loop, Region
 from .chart import Level, Well
 from .flare import settled
 from .offset import widened
-from .recess import NoRecess, Top, landings, recessed, top_depth_mm
+from .recess import Top, landings, recessed, top_depth_mm
 from .sampling import Array
 from .walls import Walls
 
@@ -41,35 +42,58 @@ def sections(
     bars: Sequence[Bridge] = (),
     min_web_mm: float = 0.0,
     rim: bool = True,
+    mounts: Collection[Circle] = (),
 ) -> Sections:
     """The pieces of the front face followed to the back, and the bars that join them there.
 
     The rim, which is the first piece's outline, stays straight; with `rim` False it is left out, for a wall
-    that goes on beyond the code. Where a draft would leave less than `min_web_mm` of material at the back, it
-    is less.
+    that goes on beyond the code. Holes among the `mounts` go straight through too: they are for screws.
+    Where a draft would leave less than `min_web_mm` of material at the back, it is less. Pieces over pockets
+    stand on the floor and need no bars.
 
     Raises `DesignError` when pockets leave no floor, a lip leaves nothing to flare or a draft closes an edge,
     `NoRecess` where the bars must be flush.
     """
-    if bars and walls.depth_mm is not None:
-        raise NoRecess("the bars are flush with the face: behind pockets there is a floor")
     reach = walls.reach_mm(thickness_mm)
+    through = walls.depth_mm is None
+    upright = {i for i, loop in enumerate(_loops(front)) if i == 0 or loop.segments[0] in mounts}
     front = [Region(*_laid(region.loops, whole_circles)) for region in front]
-    paths = _paths(front, walls.flare_mm(reach), min_web_mm, rim)[0 if rim else 1 :]
-    depths = [0.0, walls.lip_mm, reach] if walls.draft_deg and walls.lip_mm else [0.0, reach]
+    paths = _paths(front, walls.flare_mm(reach), min_web_mm, rim)
+    floors = [0] * len(paths) if through else _floors(front)
+    bars = bars if through else ()
     where = landings([path.loop for path in paths], bars)
     top = top_depth_mm(bars, thickness_mm) if bars else reach
+    depths = {0.0, walls.lip_mm, reach} if walls.draft_deg else {0.0, reach}
     wells: list[Well] = []
-    for i, path in enumerate(paths):
-        if i in where:
-            wells.append(path.well(sorted({*depths, top}), (0.0, top, reach), walls, reach))
-        elif rim and i == 0:
-            wells.append(path.well([0.0, thickness_mm], (0.0, thickness_mm), Walls(), thickness_mm))
+    for i, (path, floor) in enumerate(zip(paths, floors, strict=True)):
+        if i in upright and i not in where:
+            wells.append(path.well({0.0, thickness_mm}, Walls(), thickness_mm))
         else:
-            wells.append(path.well(depths, (0.0, reach), walls, reach))
+            wells.append(path.well(depths | {top} if i in where else depths, walls, reach, top, floor))
     joined, tops = recessed(wells, bars, where, top) if bars else (tuple(wells), ())
-    holes = sum(len(region.holes) for region in front) if walls.depth_mm is None else 0
-    return Sections(joined, tops, len(front), holes + len(bars) - (len(front) - 1))
+    holes = sum(len(region.holes) for region in front) if through else len(upright) - 1
+    genus = holes + len(bars) - (len(front) - 1 if through else 0)
+    return Sections(joined if rim else joined[1:], tops, len(front), genus)
+
+
+def _loops(front: Sequence[Region]) -> list[Loop]:
+    """Every loop of the pieces, each outline before its holes."""
+    return [loop for region in front for loop in region.loops]
+
+
+def _floors(front: Sequence[Region]) -> list[int]:
+    """The floor that each loop bounds: a hole its own, a further piece that of the hole it stands in."""
+    numbers: list[int] = []
+    holes: list[tuple[float, Polygon, int]] = []
+    for region in front:
+        corner = Point(region.outer.segments[0].start)
+        around = [(size, number) for size, hole, number in holes if hole.contains(corner)]
+        numbers.append(min(around)[1] if around else 0)
+        for hole in region.holes:
+            numbers.append(len(numbers) + 1)
+            if len(front) > 1:
+                holes.append((abs(hole.area), Polygon(hole.flatten()), numbers[-1]))
+    return numbers
 
 
 def hole_wells(
@@ -94,18 +118,23 @@ class _Path:
     flares_mm: Array | None
 
     def well(
-        self, depths_mm: Sequence[float], on_faces_mm: tuple[float, ...], walls: Walls, reach_mm: float
+        self,
+        depths_mm: set[float],
+        walls: Walls,
+        reach_mm: float,
+        top_mm: float | None = None,
+        floor: int = 0,
     ) -> Well:
-        """The loop at some depths of walls that reach so far."""
-        levels = tuple(Level(depth, depth in on_faces_mm) for depth in depths_mm)
+        """The loop at some depths of walls that reach so far; faces lie at both ends and at the tops."""
+        levels = tuple(Level(depth, depth in (0.0, top_mm, reach_mm)) for depth in sorted(depths_mm))
         loops: list[Loop] = []
-        for depth in depths_mm:
-            share = (depth - walls.lip_mm) / (reach_mm - walls.lip_mm)
+        for level in levels:
+            share = (level.depth_mm - walls.lip_mm) / (reach_mm - walls.lip_mm)
             if self.flares_mm is None or share <= 0:
                 loops.append(self.loop)
             else:
                 loops.append(widened(self.loop, self.flares_mm, share))
-        return Well(tuple(loops), levels, walls.depth_mm is not None, self.piece)
+        return Well(tuple(loops), levels, floor, piece=self.piece)
 
 
 def _paths(front: Sequence[Region], flare_mm: float, min_web_mm: float, rim: bool) -> list[_Path]:
@@ -129,11 +158,12 @@ def _around(loops: Sequence[Loop], margin_mm: float) -> Loop:
 
 def _laid(loops: Sequence[Loop], whole_circles: bool) -> tuple[Loop, tuple[Loop, ...]]:
     """The loops, lone circles cut in two half-circles where the chart wants it so; first and others."""
-    first, *others = (loop if whole_circles else _halved(loop) for loop in loops)
+    first, *others = (loop if whole_circles else halved(loop) for loop in loops)
     return first, tuple(others)
 
 
-def _halved(loop: Loop) -> Loop:
+def halved(loop: Loop) -> Loop:
+    """A lone circle as two half-circles; other loops as they are."""
     first = loop.segments[0]
     if not isinstance(first, Circle):
         return loop

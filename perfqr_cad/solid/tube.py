@@ -9,6 +9,7 @@ always to the right of travel, for the rim and for every hole alike.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -34,16 +35,18 @@ NOWHERE = TopLoc_Location()
 class Tube:
     """What a well adds to a shell.
 
-    mouth  its wire in the front face, in the direction of travel; None where it begins below a bar's top
-    foot   its wire in the back face, in the direction of travel; None where it ends on a floor or a top
-    faces  walls and, for a pocket, its floor; oriented outward
-    piece  the piece of the front face that the mouth bounds
+    well   whose walls they are
+    mouth  its wire in the front face, in the direction of travel; None where it begins elsewhere
+    foot   its wire in the back face, in the direction of travel; None where it ends elsewhere
+    base   its wire in the front face below a crest, against the direction of travel
+    faces  walls and, with the first well of each, floors and crests; oriented outward
     """
 
+    well: Well
     mouth: TopoDS_Wire | None
     foot: TopoDS_Wire | None
+    base: TopoDS_Wire | None
     faces: tuple[TopoDS_Face, ...]
-    piece: int = 0
 
 
 @dataclass(frozen=True)
@@ -100,14 +103,56 @@ def tubes(wells: tuple[Well, ...], chart: Chart, seam: Seam | None = None) -> li
         for i in members:
             first, count = levels.index(wells[i].levels[0]), len(wells[i].levels)
             columns[i] = [next(laid).storey(first, count) for _ in wells[i].loops[0].segments]
-    return [_stand(well, chart, columns[i], seam) for i, well in enumerate(wells)]
+    stands = [_stand(well, chart, columns[i], seam) for i, well in enumerate(wells)]
+    return [_tube(stand, ends, chart) for stand, ends in zip(stands, _shared_faces(stands), strict=True)]
 
 
 def _whole(well: Well) -> Well:
     return well.part_of or well
 
 
-def _stand(well: Well, chart: Chart, columns: list[Column], seam: Seam | None) -> Tube:
+@dataclass(frozen=True)
+class _Stand:
+    """The walls of a well, with its first and last wires in the direction of travel."""
+
+    well: Well
+    first: TopoDS_Wire
+    last: TopoDS_Wire
+    walls: list[TopoDS_Face]
+    on_seam: tuple[bool, bool]
+
+
+def _shared_faces(stands: Sequence[_Stand]) -> list[list[tuple[float, list[TopoDS_Wire]]]]:
+    """For each stand, the crests and floors that it is the first to bound: depth, and wires as seen."""
+    found: list[list[tuple[float, list[TopoDS_Wire]]]] = [[] for _ in stands]
+    floors: dict[int, list[TopoDS_Wire]] = {}
+    crests: dict[int, list[TopoDS_Wire]] = {}
+    for stand, own in zip(stands, found, strict=True):
+        well = stand.well
+        if well.crest:
+            if well.crest not in crests:
+                own.append((well.levels[0].depth_mm, crests.setdefault(well.crest, [])))
+            crests[well.crest].append(stand.first)
+        if well.floor:
+            if well.floor not in floors:
+                own.append((well.levels[-1].depth_mm, floors.setdefault(well.floor, [])))
+            floors[well.floor].append(_reversed(stand.last))
+    return found
+
+
+def _tube(stand: _Stand, ends: list[tuple[float, list[TopoDS_Wire]]], chart: Chart) -> Tube:
+    well = stand.well
+    faces = [cap(chart, depth, wires, outwards=True) for depth, wires in ends]
+    return Tube(
+        well,
+        mouth=None if well.crest or stand.on_seam[0] else stand.first,
+        foot=None if well.floor or well.crest or stand.on_seam[1] else stand.last,
+        base=_reversed(stand.last) if well.crest else None,
+        faces=(*stand.walls, *faces),
+    )
+
+
+def _stand(well: Well, chart: Chart, columns: list[Column], seam: Seam | None) -> _Stand:
     n = len(columns)
     corners = [
         chart.points(np.array([s.start for s in loop.segments]), level.depth_mm)
@@ -143,14 +188,8 @@ def _stand(well: Well, chart: Chart, columns: list[Column], seam: Seam | None) -
             j = (i + 1) % n
             faces.append(_wall(columns[i].walls[k], rings[upper][i], rings[lower][i], sides[i], sides[j]))
 
-    def outline(k: int) -> TopoDS_Wire | None:
-        on_seam = seam is not None and well.levels[k].depth_mm == seam.depth_mm
-        return None if on_seam else _wire(rings[k])
-
-    mouth, foot = outline(0), outline(-1)
-    if well.floor and foot is not None:
-        faces.append(_floor(chart, well.levels[-1].depth_mm, foot))
-    return Tube(mouth, None if well.floor else foot, tuple(faces), well.piece)
+    on_seam = tuple(seam is not None and well.levels[k].depth_mm == seam.depth_mm for k in (0, -1))
+    return _Stand(well, _wire(rings[0]), _wire(rings[-1]), faces, (on_seam[0], on_seam[1]))
 
 
 def _vertex(p: Array, tolerance_mm: float) -> TopoDS_Vertex:
@@ -234,9 +273,8 @@ def _wire(edges: list[TopoDS_Edge]) -> TopoDS_Wire:
     return wire
 
 
-def _floor(chart: Chart, depth_mm: float, rim: TopoDS_Wire) -> TopoDS_Face:
-    """The floor of a pocket looks at the reader; its rim runs clockwise, as the hole does."""
-    return cap(chart, depth_mm, [TopoDS.Wire_s(rim.Reversed())], outwards=True)
+def _reversed(wire: TopoDS_Wire) -> TopoDS_Wire:
+    return TopoDS.Wire_s(wire.Reversed())
 
 
 def cap(chart: Chart, depth_mm: float, wires: list[TopoDS_Wire], *, outwards: bool) -> TopoDS_Face:

@@ -13,7 +13,7 @@ from OCP.gp import gp_Pnt
 
 from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.outline import Arc, Line, Loop, Region
-from perfqr_cad.solid import Walls, build_front, occ, read_step, write_step
+from perfqr_cad.solid import Plan, Solid, Walls, build_plan, occ, read_step, write_step
 from perfqr_cad.surface import Cone, Cylinder, Placement, Plane, Revolution, Sphere
 
 THICKNESS, HEIGHT = 2.0, 0.6
@@ -68,10 +68,20 @@ WALLS = {
 }
 
 
+def build_front(
+    front: tuple[Region, ...],
+    bars: tuple[Bridge, ...],
+    placement: Placement,
+    walls: Walls | None = None,
+    name: str = "part",
+) -> Solid:
+    return build_plan(Plan(front, bars, FLUSH), placement, walls, name=name)
+
+
 @pytest.mark.parametrize("walls", WALLS)
 @pytest.mark.parametrize("name", PLACEMENTS)
 def test_bars_behind_the_face_are_exact(name: str, walls: str) -> None:
-    solid = build_front(front(), BARS, FLUSH, PLACEMENTS[name], WALLS[walls])
+    solid = build_front(front(), BARS, PLACEMENTS[name], WALLS[walls])
     assert solid.problems == ()
     assert solid.notes == ()
     assert solid.triangles.closed
@@ -80,7 +90,7 @@ def test_bars_behind_the_face_are_exact(name: str, walls: str) -> None:
 
 
 def test_the_volume_is_front_through_and_bars_behind() -> None:
-    solid = build_front(front(0.0), BARS, FLUSH, Plane(THICKNESS))
+    solid = build_front(front(0.0), BARS, Plane(THICKNESS))
     area = sum(region.area for region in front(0.0))
     lengths = sum(2.0 * b.width_mm for b in BARS)
     assert solid.volume_mm3 == pytest.approx(area * THICKNESS + lengths * HEIGHT, rel=1e-12)
@@ -90,7 +100,7 @@ def test_the_volume_is_front_through_and_bars_behind() -> None:
 
 def test_it_equals_boxes_cut_and_fused() -> None:
     """What is left of the plate when all air is cut away one box at a time."""
-    solid = build_front(front(0.0), BARS[:1], FLUSH, Plane(THICKNESS))
+    solid = build_front(front(0.0), BARS[:1], Plane(THICKNESS))
 
     def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> object:
         return BRepPrimAPI_MakeBox(gp_Pnt(x[0], y[0], z[0]), gp_Pnt(x[1], y[1], z[1])).Shape()
@@ -110,7 +120,7 @@ def test_it_equals_boxes_cut_and_fused() -> None:
 def test_a_slanted_bar_between_drafted_walls() -> None:
     """Its sides stay planes: each level is cut where the bar's own sides meet it."""
     slanted = (bar((1.0, 5.0), (2.0, 7.0)),)
-    solid = build_front(front(), slanted, FLUSH, Plane(THICKNESS), Walls(draft_deg=6.0))
+    solid = build_front(front(), slanted, Plane(THICKNESS), Walls(draft_deg=6.0))
     assert solid.valid
     assert solid.volume_mm3 == pytest.approx(solid.expected_volume_mm3, rel=1e-9)
 
@@ -120,7 +130,7 @@ def test_two_pieces_side_by_side() -> None:
     left = Region(Loop.from_points([(-5, -5), (0, -5), (0, 5), (-5, 5)]))
     right = Region(Loop.from_points([(2, -5), (7, -5), (7, 5), (2, 5)]))
     for walls in WALLS.values():
-        solid = build_front((left, right), (bar((0.0, 0.0), (2.0, 0.0)),), FLUSH, Plane(THICKNESS), walls)
+        solid = build_front((left, right), (bar((0.0, 0.0), (2.0, 0.0)),), Plane(THICKNESS), walls)
         assert solid.valid, solid.problems
         assert solid.triangles.closed
 
@@ -137,20 +147,26 @@ def test_two_pieces_side_by_side() -> None:
 def test_bars_that_cannot_be_recessed_are_flush(
     bars: tuple[Bridge, ...], thickness: float, reason: str
 ) -> None:
-    solid = build_front(front(), bars, FLUSH, Plane(thickness))
+    solid = build_front(front(), bars, Plane(thickness))
     assert reason in solid.notes[0]
     assert solid.valid
     assert solid.volume_mm3 == pytest.approx(FLUSH.area * thickness)
 
 
-def test_pockets_have_flush_bars() -> None:
-    solid = build_front(front(), BARS, FLUSH, Plane(THICKNESS), Walls(depth_mm=1.0))
-    assert "floor" in solid.notes[0]
+@pytest.mark.parametrize("name", PLACEMENTS)
+def test_rings_stand_on_the_floor_of_pockets(name: str) -> None:
+    solid = build_front(front(), BARS, PLACEMENTS[name], Walls(depth_mm=1.0))
+    assert solid.problems == ()
+    assert solid.triangles.closed
+    assert BRepCheck_Analyzer(solid.shape, True).IsValid()
+    if name == "plane":
+        area = sum(region.area for region in front())
+        assert solid.volume_mm3 == pytest.approx(24 * 24 * 1.0 + area * 1.0, rel=1e-12)
 
 
 def test_step_is_read_back(tmp_path: Path) -> None:
     for name, placement in PLACEMENTS.items():
-        solid = build_front(front(), BARS, FLUSH, placement, WALLS["lipped"], name=name)
+        solid = build_front(front(), BARS, placement, WALLS["lipped"], name=name)
         write_step(solid, tmp_path / "part.step")
         (part,) = read_step(tmp_path / "part.step")
         assert part.name == name
