@@ -8,10 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from perfqr_cad.pattern.brush import Field, brush_grid, brush_positions, held_positions
 from perfqr_cad.pattern.draft import Bar, Draft, Rect
+from perfqr_cad.pattern.junctions import cheapest_without_loss
 from perfqr_cad.pattern.lattice import Cells, Labels, label
 from perfqr_cad.pattern.pattern import Optimality
-from perfqr_cad.pattern.routing import Field, Route, Router, brush_grid, brush_positions, held_positions
+from perfqr_cad.pattern.routing import Route, Router
 from perfqr_cad.pattern.sampling import (
     blur_weights,
     brightness,
@@ -21,7 +23,7 @@ from perfqr_cad.pattern.sampling import (
     sampled,
     sampled_part,
 )
-from perfqr_cad.pattern.spanning import Conflict, Link, cheapest, cheapest_without_loss, kruskal
+from perfqr_cad.pattern.spanning import Conflict, Link, cheapest, kruskal
 from perfqr_cad.symbol import Role, Symbol, layout
 
 AREA_PRICE = 0.02  # expected misread modules that a module's area of change is worth: appearance comes last
@@ -29,6 +31,7 @@ BRIDGE_DOSE = 0.3  # brightness that a bridge along its edge adds to a module: r
 CENTRE_PRICE = 4.0  # expected misread modules for painting over the whole sampled centre of a module
 FINDER_PRICE = 8.0  # expected misread modules for painting over a module that a reader finds the code by
 QUIET_PRICE = 8.0  # expected misread modules for a module's area of material in a void quiet zone
+BAR_PRICE = 0.005  # expected misread modules that one bar less is worth: a quarter of a module's area
 LENGTH_PRICE = 1e-3  # of the area price: of two routes that cost the same, the shorter
 LEAST_STEPS, MOST_STEPS = 4, 16  # of the brush along a module
 CONFLICT_ROUNDS = 6  # of the solver that share the time limit
@@ -57,7 +60,7 @@ def join(
     brush, step = lattice.whole(web_mm), brush_step(lattice.per_module, scale)
     draft, labels, held = stand_on_grid(draft, labels, count, brush, step)
     grid = brush_grid(labels, held, cell_price(draft, symbol, solid_is_dark), brush, step)
-    router = Router(grid, LENGTH_PRICE * AREA_PRICE * brush * step / lattice.per_module**2)
+    router = Router(grid, LENGTH_PRICE * AREA_PRICE * brush * step / lattice.per_module**2, BAR_PRICE)
     pairs = router.pairs()
     prices = [pairs[k].price for k in kruskal([Link(route.islands, route.price) for route in pairs])]
     stars = router.stars(pairs, float(np.quantile(prices, STAR_QUANTILE)))

@@ -10,19 +10,13 @@ charges:
 
 The partitions that Kruskal's algorithm passes through make the linear relaxation exact for plain trees; the
 pieces of a solution that is not connected give the next inequality, until it is.
-
-Without lost codewords the problem falls apart: an optimal choice needs no pair outside the minimum spanning
-tree of the pairs, and no junction that is dearer than the tree's edges it makes superfluous. Edges that no
-junction could replace are taken, and what is left are small blocks, solved one by one.
 """
 
 from __future__ import annotations
 
 import time
-from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -57,7 +51,7 @@ class Conflict:
 
 def kruskal(links: Sequence[Link], taken: Sequence[int] = ()) -> list[int]:
     """Links of a spanning tree by rising price, after those that are taken already."""
-    forest = _Forest(i for link in links for i in link.islands)
+    forest = Forest(i for link in links for i in link.islands)
     for k in taken:
         forest.join(links[k].islands)
     chosen = list(taken)
@@ -66,88 +60,6 @@ def kruskal(links: Sequence[Link], taken: Sequence[int] = ()) -> list[int]:
             forest.join(links[k].islands)
             chosen.append(k)
     return chosen
-
-
-class Tree:
-    """A spanning tree of pairs, asked which of its edges a junction would make superfluous."""
-
-    def __init__(self, links: Sequence[Link], chosen: Sequence[int]) -> None:
-        self._links = links
-        around: dict[int, list[tuple[int, int]]] = defaultdict(list)
-        for k in chosen:
-            a, b = links[k].islands
-            around[a].append((b, k))
-            around[b].append((a, k))
-        root = min(around)
-        self._up: dict[int, tuple[int, int]] = {}
-        self._depth = {root: 0}
-        queue = [root]
-        for island in queue:
-            for other, k in around[island]:
-                if other not in self._depth:
-                    self._depth[other] = self._depth[island] + 1
-                    self._up[other] = island, k
-                    queue.append(other)
-
-    def between(self, a: int, b: int) -> list[int]:
-        """Edges of the way from one island to another."""
-        edges: list[int] = []
-        while a != b:
-            if self._depth[a] < self._depth[b]:
-                a, b = b, a
-            a, k = self._up[a]
-            edges.append(k)
-        return edges
-
-    def spanned(self, islands: Sequence[int]) -> tuple[set[int], float]:
-        """Edges of the subtree that joins the islands, and what the dearest that a junction replaces cost."""
-        edges: set[int] = set()
-        saved = 0.0
-        for a, b in pairwise(islands):
-            edges.update(self.between(a, b))
-        joined = _Forest(i for k in edges for i in self._links[k].islands)
-        joined.join(islands)
-        for k in sorted(edges, key=lambda k: self._links[k].price):
-            if joined.parts_of(self._links[k].islands) > 1:
-                joined.join(self._links[k].islands)
-            else:
-                saved += self._links[k].price
-        return edges, saved
-
-
-def cheapest_without_loss(
-    pairs: Sequence[Link], stars: Sequence[Link], time_limit_s: float
-) -> tuple[list[int], Optimality]:
-    """Indices into pairs + stars of the cheapest choice when no link costs a codeword, and the proof."""
-    began = time.perf_counter()
-    links = [*pairs, *stars]
-    chosen = kruskal(pairs)
-    tree = Tree(pairs, chosen)
-    blocks = _Forest(chosen)
-    useful: list[tuple[int, set[int]]] = []
-    for k, star in enumerate(stars, start=len(pairs)):
-        edges, saved = tree.spanned(star.islands)
-        if saved > star.price + PRICE_TOL:
-            useful.append((k, edges))
-            blocks.join(sorted(edges))
-    members: dict[int, list[int]] = defaultdict(list)
-    for k in chosen:
-        members[blocks.find(k)].append(k)
-    for k, edges in useful:
-        members[blocks.find(min(edges))].append(k)
-    result: list[int] = []
-    bound = 0.0
-    for group in members.values():
-        if len(group) == 1 or all(k < len(pairs) for k in group):
-            result += group
-            bound += sum(links[k].price for k in group)
-            continue
-        left_s = time_limit_s - (time.perf_counter() - began)
-        picked, proof = cheapest([links[k] for k in group], (), left_s)
-        result += [group[k] for k in picked]
-        bound += proof.bound
-    price = sum(links[k].price for k in result)
-    return sorted(result), _proved(price, bound, began)
 
 
 def cheapest(
@@ -165,7 +77,7 @@ def cheapest(
         if answer.x is None:
             break
         picked = [k for k in range(len(links)) if answer.x[k] > 0.5]
-        forest = _Forest(i for link in links for i in link.islands)
+        forest = Forest(i for link in links for i in link.islands)
         for k in picked:
             forest.join(links[k].islands)
         whole = kruskal(links, picked)
@@ -173,8 +85,8 @@ def cheapest(
             chosen = whole
         if forest.count == 1:
             break
-        model.add_partition(forest.partition())
-    return chosen, _proved(cost(links, conflicts, chosen), bound, began)
+        model.add_pieces(forest.partition())
+    return chosen, proved(cost(links, conflicts, chosen), bound, began)
 
 
 def cost(links: Sequence[Link], conflicts: Sequence[Conflict], chosen: Sequence[int]) -> float:
@@ -187,7 +99,8 @@ def cost(links: Sequence[Link], conflicts: Sequence[Conflict], chosen: Sequence[
     return sum(links[k].price for k in chosen) + CODEWORD_PRICE * len(lost)
 
 
-def _proved(price: float, bound: float, began: float) -> Optimality:
+def proved(price: float, bound: float, began: float) -> Optimality:
+    """What is known of a price, given a lower bound and when the search began."""
     bound = min(bound, price)  # the solver's bound carries its own rounding
     gap = (price - bound) / price if price > 0 else 0.0
     return Optimality(price, bound, gap if gap > PRICE_TOL else 0.0, time.perf_counter() - began)
@@ -209,12 +122,18 @@ class _Model:
             for c in sorted(conflict.codewords):
                 row = {self._codeword[c]: 1.0} | dict.fromkeys(conflict.links, -1.0)
                 self._add(row, 1.0 - len(conflict.links))
-        forest = _Forest(i for link in links for i in link.islands)
+        forest = Forest(i for link in links for i in link.islands)
         kept = {round(k) for k in np.linspace(0, len(tree) - 1, MOST_PARTITIONS)}
         for k, link in enumerate(tree):
             if k in kept:
                 self.add_partition(forest.partition())
             forest.join(links[link].islands)
+
+    def add_pieces(self, part: dict[int, int]) -> None:
+        """The parts must hold together, and each of them to the rest."""
+        self.add_partition(part)
+        for piece in sorted(set(part.values())):
+            self.add_partition({i: int(p == piece) for i, p in part.items()})
 
     def add_partition(self, part: dict[int, int]) -> None:
         """The links must hold the parts together."""
@@ -252,7 +171,7 @@ class _Model:
         )
 
 
-class _Forest:
+class Forest:
     """Disjoint sets."""
 
     def __init__(self, members: Iterable[int]) -> None:
@@ -260,15 +179,18 @@ class _Forest:
         self.count = len(self._leader)
 
     def find(self, member: int) -> int:
+        """The leader of a member's set."""
         leader = self._leader
         while leader[member] != member:
             leader[member] = member = leader[leader[member]]
         return member
 
     def parts_of(self, members: Sequence[int]) -> int:
+        """How many sets the members lie in."""
         return len({self.find(i) for i in members})
 
     def join(self, members: Sequence[int]) -> None:
+        """Unites the sets of the members."""
         first = self.find(members[0])
         for other in members[1:]:
             leader = self.find(other)
@@ -277,4 +199,5 @@ class _Forest:
                 self.count -= 1
 
     def partition(self) -> dict[int, int]:
+        """The leader of each member."""
         return {i: self.find(i) for i in sorted(self._leader)}

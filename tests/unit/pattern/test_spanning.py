@@ -5,7 +5,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from perfqr_cad.pattern.spanning import Conflict, Link, cheapest, cheapest_without_loss, cost, kruskal
+from perfqr_cad.pattern.junctions import cheapest_without_loss
+from perfqr_cad.pattern.spanning import Conflict, Link, cheapest, cost, kruskal
 
 
 def joined(links, chosen, islands):
@@ -65,3 +66,22 @@ def test_without_time_the_tree_is_returned_with_an_honest_gap():
     assert chosen == kruskal(links)
     assert proof.bound == 0
     assert proof.gap == 1
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_many_junctions_agree_with_the_integer_programme(seed):
+    rng = np.random.default_rng(seed)
+    pairs = [Link((k, k + 1), float(rng.uniform(1, 1.2))) for k in range(39)]
+    trios = [Link((k, k + 1, k + 2), float(rng.uniform(1.7, 2.2))) for k in range(38)]
+    chosen, proof = cheapest_without_loss(pairs, trios, 20.0)
+    _, expected = cheapest([*pairs, *trios], (), 20.0)
+    assert joined([*pairs, *trios], chosen, 40)
+    assert proof.gap == expected.gap == 0
+    assert proof.objective == pytest.approx(expected.objective)
+
+
+def test_without_time_the_bound_on_junctions_stays_below_the_optimum():
+    pairs, trios = random_links(4, islands=7, stars=9)
+    _, hasty = cheapest_without_loss(pairs, trios, 0.0)
+    _, proof = cheapest_without_loss(pairs, trios, 10.0)
+    assert hasty.bound <= proof.objective <= hasty.objective
