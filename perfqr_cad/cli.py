@@ -85,6 +85,11 @@ def make(
     hole: Annotated[
         list[str] | None, _option(help="Mounting holes in the frame: D (corners) or X,Y,D. Repeats.")
     ] = None,
+    caption: Annotated[
+        str | None, _option("--caption", "--text", help="A line on the frame below the code.")
+    ] = None,
+    backing: Annotated[float | None, _option(help="Thickness of a plate behind, mm.")] = None,
+    gap: Annotated[float | None, _option(help="Gap before that plate, mm.")] = None,
     finder: Annotated[str | None, _option(help="Bars of the finder rings: see params.")] = None,
     objective: Annotated[str | None, _option(help="optimal, or the paper's: paper.")] = None,
     quiet: Annotated[int | None, _option(help="Light margin around the code, modules.")] = None,
@@ -102,6 +107,7 @@ def make(
         "pressure": pressure, "yield": yield_, "material": material, "support": support,
         "verify_solid": verify_solid or None, "draft": draft, "lip": lip, "depth": depth, "fillet": fillet,
         "frame": frame, "corner_radius": corner_radius, "hole": "; ".join(hole) if hole else None,
+        "caption": caption, "backing": backing, "gap": gap,
         "style": style, "finder": finder, "objective": objective, "quiet": quiet, "tone": tone,
         "scan_tilt": scan_tilt, "seed": seed,
     }  # fmt: skip

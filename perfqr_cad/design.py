@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from perfqr_cad.export import FileRecord
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.scan import ScanReport
-    from perfqr_cad.solid import Solid, Walls
+    from perfqr_cad.solid import Backing, Caption, Solid, Walls
     from perfqr_cad.structure import Reinforcement, SolidCheck, StressField
     from perfqr_cad.surface import Placement, Triangles
     from perfqr_cad.symbol import Level, Symbol
@@ -52,9 +52,15 @@ class Target(Protocol):
 
 @dataclass(frozen=True)
 class Sheet:
-    """A wall of even thickness, bent like the surface it is given: the target unless another is named."""
+    """A wall of even thickness, bent like the surface it is given: the target unless another is named.
+
+    caption, backing   what is written on its frame, and the plate behind it; a `Request` that asks for them
+                       overrides these
+    """
 
     surface: Placement
+    caption: Caption | None = None
+    backing: Backing | None = None
 
     @property
     def behind(self) -> None:
@@ -66,10 +72,13 @@ class Sheet:
         return self.surface
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
-        """The code's own square of that wall."""
-        from perfqr_cad.solid import build
+        """The code's own piece of that wall, with its caption and the plate behind it."""
+        from perfqr_cad.solid import back, build
 
-        return build(pattern, placement, walls)
+        part = build(pattern, placement, walls, caption=self.caption)
+        return (
+            part if self.backing is None else replace(part, extras=(back(pattern, placement, self.backing),))
+        )
 
 
 @dataclass(frozen=True)
@@ -157,7 +166,8 @@ def run(request: Request, target: Target | None = None) -> Design:
     from perfqr_cad import scan, structure
 
     watch = _Stopwatch()
-    terms.walls(request)  # bad walls and materials are refused before the long steps
+    terms.walls(request)  # bad walls, captions and materials are refused before the long steps
+    terms.caption(request)
     material = structure.material(request.material)
     with watch("symbol"):
         capture, symbol = _source(request)
@@ -167,7 +177,7 @@ def run(request: Request, target: Target | None = None) -> Design:
     if request.scan_tilt_deg:
         with watch("tuning"):
             request = _tuned(request, target, drawn)
-    target = target or _plate(request)
+    target = _dressed(target or _plate(request), request)
     with watch("placement"):
         placement = target.placement(drawn.extent_mm)
     with watch("structure"):
@@ -203,7 +213,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             plan=terms.plan(request),
             look=terms.look(request),
             seed=request.seed,
-            behind=target.behind,
+            behind=_behind(target, solid, placement),
         )
     _require_readable(report)
     return Design(
@@ -249,6 +259,24 @@ def _plate(request: Request) -> Target:
     from perfqr_cad.surface import Plane
 
     return Sheet(Plane(request.thickness_mm))
+
+
+def _dressed(target: Target, request: Request) -> Target:
+    """The target with the caption and the backing that are asked for, which only a sheet can have."""
+    if isinstance(target, Sheet):
+        caption, backing = terms.caption(request), terms.backing(request)
+        return replace(target, caption=caption or target.caption, backing=backing or target.backing)
+    wishes = ("frame_mm", "corner_radius_mm", "holes_mm", "corner_hole_mm", "caption", "backing_mm")
+    if asked := [name for name in wishes if getattr(request, name)]:
+        raise DesignError(
+            f"{', '.join(asked)}: a code in a part of your own has the part around it: leave these out"
+        )
+    return target
+
+
+def _behind(target: Target, solid: Solid, placement: Placement) -> Triangles | None:
+    """The body that is seen through the holes. Behind a flat part a backing is but a near ground."""
+    return target.behind if placement.is_flat or not solid.extras else solid.extras[0].triangles
 
 
 def _tuned(request: Request, target: Target | None, drawn: Pattern) -> Request:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from dataclasses import asdict, dataclass, fields
 from typing import Any
@@ -20,6 +21,9 @@ class Request:
     frame_mm         width of a frame around the quiet zone; corner_radius_mm rounds its outer corners
     holes_mm         mounting holes in it: (x, y, diameter) each, from the centre of the code
     corner_hole_mm   diameter of four mounting holes in its corners; None: none
+    caption          a line of text on the frame below the code, letters caption_height_mm high (None: half of
+                     the frame) that stand caption_relief_mm out of the face; below 0: engraved so deep
+    backing_mm       thickness of a plate backing_gap_mm behind, in the tone of the holes; None: none
     depth_mm         depth of blind pockets instead of through-holes; None: through
     verify_solid     whether the strength is checked once more in three dimensions
     scan_tilt_deg    tilt at which the part must still read; None: nothing is asked beyond the frontal view
@@ -44,6 +48,11 @@ class Request:
     corner_radius_mm: float = 0.0
     holes_mm: tuple[tuple[float, float, float], ...] = ()
     corner_hole_mm: float | None = None
+    caption: str | None = None
+    caption_height_mm: float | None = None
+    caption_relief_mm: float = 0.4
+    backing_mm: float | None = None
+    backing_gap_mm: float = 0.0
     finder: str = "panel"
     objective: str = "optimal"
     contour: str = "smooth"
@@ -90,6 +99,10 @@ _RANGES: tuple[tuple[str, float, float], ...] = (
     ("frame_mm", 0.0, 1000.0),
     ("corner_radius_mm", 0.0, 1000.0),
     ("corner_hole_mm", 0.01, 100.0),
+    ("caption_height_mm", 0.1, 1000.0),
+    ("caption_relief_mm", -100.0, 100.0),
+    ("backing_mm", 0.05, 500.0),
+    ("backing_gap_mm", 0.0, 500.0),
     ("draft_deg", 0.0, 60.0),
     ("lip_mm", 0.0, 500.0),
     ("depth_mm", 0.01, 500.0),
@@ -107,10 +120,9 @@ def read_holes(text: str) -> dict[str, Any]:
     holes: list[tuple[float, ...]] = []
     corner: float | None = None
     for part in filter(None, (part.strip() for part in text.split(";"))):
-        try:
+        numbers: tuple[float, ...] = ()
+        with contextlib.suppress(ValueError):
             numbers = tuple(float(number) for number in part.split(","))
-        except ValueError:
-            numbers = ()
         if len(numbers) not in (1, 3):
             raise DesignError(f"hole {part!r} is no diameter and no x,y,diameter: write 3 or 0,35,4 (mm)")
         if len(numbers) == 3:

@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from perfqr_cad.errors import DesignError
 from perfqr_cad.request import Request
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import PatternSpec
     from perfqr_cad.scan import Look, Plan
-    from perfqr_cad.solid import Walls
+    from perfqr_cad.solid import Backing, Caption, Walls
     from perfqr_cad.structure.loads import Load
+
+CAPTION_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
 
 
 def spec(request: Request) -> PatternSpec:
@@ -45,6 +48,29 @@ def walls(request: Request) -> Walls:
     return Walls(draft_deg=request.draft_deg, lip_mm=request.lip_mm, depth_mm=request.depth_mm)
 
 
+def caption(request: Request) -> Caption | None:
+    """What is written on the frame."""
+    from perfqr_cad.solid import Caption
+
+    if not request.caption:
+        return None
+    height = request.caption_height_mm or CAPTION_SHARE * request.frame_mm
+    if not height:
+        raise DesignError(f"the caption {request.caption!r} needs a frame to stand on: give --frame 8, say")
+    return Caption(request.caption, height, request.caption_relief_mm)
+
+
+def backing(request: Request) -> Backing | None:
+    """The plate behind, in the tone that the holes are to have."""
+    from perfqr_cad.solid import Backing
+    from perfqr_cad.solid.shape import DARK, LIGHT
+
+    if request.backing_mm is None:
+        return None
+    colour = LIGHT if request.tone == "inverted" else DARK
+    return Backing(request.backing_mm, request.backing_gap_mm, colour)
+
+
 def load(request: Request) -> Load:
     """What pushes on the part."""
     from perfqr_cad.structure import Pressure
@@ -65,4 +91,5 @@ def look(request: Request) -> Look:
     """Light material before a dark ground; for the inverted tone, dark material before a light one."""
     from perfqr_cad.scan import BLACK, WHITE, Look
 
-    return Look(material=BLACK, ground=WHITE) if request.tone == "inverted" else Look()
+    gap = Look.gap_mm if request.backing_mm is None else request.backing_gap_mm
+    return Look(material=BLACK, ground=WHITE, gap_mm=gap) if request.tone == "inverted" else Look(gap_mm=gap)

@@ -44,6 +44,16 @@ frame = 0  # [0:0.5:200]
 corner_radius = 0  # [0:0.5:200]
 # mounting holes in the frame, mm: 3 for one in each corner, or x,y,diameter; x,y,diameter
 hole = ""
+# a line of text on the frame below the code
+caption = ""
+# height of its capital letters, mm; 0 takes half of the frame
+caption_height = 0  # [0:0.1:200]
+# how far letters stand out of the face, mm; below 0 they are engraved
+caption_relief = 0.4  # [-10:0.1:10]
+# thickness of a plate behind the part, in the tone of the holes, mm; 0 for none
+backing = 0  # [0:0.1:50]
+# gap before that plate, mm
+gap = 0  # [0:0.1:50]
 # width of one printed line or of the kerf, mm
 nozzle = 0.4  # [0.05:0.05:2]
 
@@ -85,6 +95,11 @@ def build(p):
         frame_mm=p.frame,
         corner_radius_mm=p.corner_radius,
         **read_holes(p.hole),
+        caption=p.caption or None,
+        caption_height_mm=p.caption_height or None,
+        caption_relief_mm=p.caption_relief,
+        backing_mm=p.backing or None,
+        backing_gap_mm=p.gap,
         depth_mm=p.depth or None,
         nozzle_mm=p.nozzle,
         material=p.material,

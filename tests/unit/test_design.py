@@ -98,3 +98,24 @@ def test_the_public_face_is_complete() -> None:
         assert getattr(perfqr_cad, name) is not None
     with pytest.raises(AttributeError):
         _ = perfqr_cad.nothing
+
+
+def test_a_tag_with_everything_around_the_code() -> None:
+    plain = {"text": "HELLO 123", "size_mm": 40.0}
+    around = {"frame_mm": 9.0, "corner_radius_mm": 4.0, "corner_hole_mm": 3.0, "caption": "No. 7"}
+    tag = make(**plain, **around, backing_mm=1.0, backing_gap_mm=0.5)
+    assert tag.solid.valid
+    low, high = tag.solid.bbox_mm
+    assert high[0] - low[0] == pytest.approx(58)
+    assert high[2] == pytest.approx(1.6 + 0.4)  # raised letters
+    (plate,) = tag.solid.extras
+    assert (plate.bbox_mm[0][2], plate.bbox_mm[1][2]) == pytest.approx((-1.5, -0.5))
+    assert len(tag.pattern.region.holes) == len(make(**plain).pattern.region.holes) + 4
+
+
+def test_a_frame_is_not_for_somebody_elses_part() -> None:
+    class Wall:
+        behind = None
+
+    with pytest.raises(DesignError, match="frame_mm, caption: "):
+        make(text="HELLO 123", target=Wall(), frame_mm=5.0, caption="X")  # pyright: ignore[reportArgumentType]

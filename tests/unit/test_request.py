@@ -31,3 +31,25 @@ def test_the_frame_reaches_the_pattern() -> None:
 def test_values_that_cannot_be_meant(name: str, value: float) -> None:
     with pytest.raises(DesignError, match=name):
         Request("HELLO", **{name: value})
+
+
+def test_a_caption_takes_half_of_its_frame() -> None:
+    caption = terms.caption(Request("HELLO", frame_mm=8, caption="SN 42"))
+    assert caption is not None
+    assert (caption.text, caption.height_mm, caption.relief_mm) == ("SN 42", 4, 0.4)
+    assert terms.caption(Request("HELLO")) is None
+
+
+def test_a_caption_without_a_frame_is_refused() -> None:
+    with pytest.raises(DesignError, match="needs a frame"):
+        terms.caption(Request("HELLO", caption="SN 42"))
+
+
+def test_the_backing_has_the_tone_of_the_holes() -> None:
+    dark = terms.backing(Request("HELLO", backing_mm=1))
+    light = terms.backing(Request("HELLO", backing_mm=1, backing_gap_mm=2, tone="inverted"))
+    assert dark is not None
+    assert light is not None
+    assert max(dark.colour) < 0.1 < 0.9 <= min(light.colour)
+    assert (light.thickness_mm, light.gap_mm) == (1, 2)
+    assert terms.look(Request("HELLO", backing_mm=1, backing_gap_mm=2)).gap_mm == 2
