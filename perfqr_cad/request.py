@@ -120,13 +120,14 @@ def read_holes(text: str) -> dict[str, Any]:
     holes: list[tuple[float, ...]] = []
     corner: float | None = None
     for part in filter(None, (part.strip() for part in text.split(";"))):
-        numbers: tuple[float, ...] = ()
+        numbers: list[float] = []
         with contextlib.suppress(ValueError):
-            numbers = tuple(float(number) for number in part.split(","))
-        if len(numbers) not in (1, 3):
-            raise DesignError(f"hole {part!r} is no diameter and no x,y,diameter: write 3 or 0,35,4 (mm)")
-        if len(numbers) == 3:
-            holes.append(numbers)
-        else:
-            corner = numbers[0]
+            numbers = [float(number) for number in part.split(",")]
+        match numbers:
+            case [diameter]:
+                corner = diameter
+            case [x, y, diameter]:
+                holes.append((x, y, diameter))
+            case _:
+                raise DesignError(f"hole {part!r} is no diameter and no x,y,diameter: write 3 or 0,35,4 (mm)")
     return {"holes_mm": tuple(holes), "corner_hole_mm": corner}
