@@ -77,7 +77,7 @@ def join(
 
 
 def _painted(draft: Draft, routes: Sequence[Route], brush: int) -> Draft:
-    return draft.with_bars([bar for route in routes for bar in route_bars(route, brush)], "connectivity")
+    return draft.with_bars([route_bars(route, brush) for route in routes], "connectivity")
 
 
 def _least_loss(

@@ -16,6 +16,7 @@ from perfqr_cad.pattern.lattice import Cells, Lattice, checkerboards, label
 from perfqr_cad.pattern.outline import Loop
 from perfqr_cad.pattern.sampling import brightness
 
+FOOT = 0.6  # of the square of a bar's width: half is what a bar along a module's edge needs to turn into it
 MAX_LINK_ROUNDS = 8  # a link may make its neighbours touch at a corner; each round only joins more
 
 
@@ -38,6 +39,17 @@ class Bar(NamedTuple):
     rect: Rect
     along_x: bool
     cost: float = 0.0
+
+    @property
+    def width(self) -> int:
+        """Cells across the bar."""
+        return self.rect.y1 - self.rect.y0 if self.along_x else self.rect.x1 - self.rect.x0
+
+    @property
+    def slenderness(self) -> float:
+        """Length in widths."""
+        length = self.rect.x1 - self.rect.x0 if self.along_x else self.rect.y1 - self.rect.y0
+        return length / self.width
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,14 +106,22 @@ class Draft:
             rect.of(solid)[:] = rect.of(upright)[:] = True
         return replace(self, lattice=self.lattice.with_solid(solid), upright=upright)
 
-    def with_bars(self, bars: Iterable[Bar], stage: Stage, height_mm: float | None = None) -> Draft:
-        """Upright bars painted solid. Bars over solid ground leave no trace."""
+    def with_bars(self, ways: Iterable[Sequence[Bar]], stage: Stage, height_mm: float | None = None) -> Draft:
+        """Upright bars painted solid, those of one way together.
+
+        Bars over solid ground leave no trace. Where a way bends, a bar that adds less than `FOOT` to the
+        longer ones is but their foot, and no bridge of its own.
+        """
         solid, upright, laid = self.solid.copy(), self.upright.copy(), []
-        for bar in bars:
-            if (shown := _void_part(solid, bar)) is None:
-                continue
-            bar.rect.of(solid)[:] = bar.rect.of(upright)[:] = True
-            laid.append(replace(self._bridge(shown, bar, stage), height_mm=height_mm))
+        for way in ways:
+            first = True
+            for bar in sorted(way, key=lambda bar: bar.slenderness, reverse=True):
+                added = np.count_nonzero(~bar.rect.of(solid)) / bar.width**2
+                if added and (first or added >= FOOT):
+                    bridge = self._bridge(_void_part(solid, bar), bar, stage)
+                    laid.append(replace(bridge, height_mm=height_mm))
+                first = first and not added
+                bar.rect.of(solid)[:] = bar.rect.of(upright)[:] = True
         return replace(
             self, lattice=self.lattice.with_solid(solid), upright=upright, bridges=(*self.bridges, *laid)
         )
@@ -132,9 +152,8 @@ class Draft:
             if bar.along_x
             else ((middle_x, rect.y0), (middle_x, rect.y1))
         )
-        width = bar.rect.y1 - bar.rect.y0 if bar.along_x else bar.rect.x1 - bar.rect.x0
         to_mm, cell = self.lattice.to_mm, self.lattice.cell_mm
-        return Bridge(to_mm(*ends[0]), to_mm(*ends[1]), width * cell, stage, bar.cost)
+        return Bridge(to_mm(*ends[0]), to_mm(*ends[1]), bar.width * cell, stage, bar.cost)
 
 
 SUBCELL_BITS = 8  # OpenCV's fixed-point fraction
@@ -303,13 +322,10 @@ def _without(solid: Cells, cells: Cells) -> Cells:
     return solid & ~cells
 
 
-def _void_part(solid: Cells, bar: Bar) -> Rect | None:
-    """The stretch of a bar that lies over void, or None when the bar adds nothing."""
+def _void_part(solid: Cells, bar: Bar) -> Rect:
+    """The stretch of a bar that lies over void."""
     rect, along_x = bar.rect, bar.along_x
-    covered = ~solid[rect.y0 : rect.y1, rect.x0 : rect.x1]
-    used = np.flatnonzero(covered.any(axis=0 if along_x else 1))
-    if not len(used):
-        return None
+    used = np.flatnonzero((~rect.of(solid)).any(axis=0 if along_x else 1))
     first, last = int(used[0]), int(used[-1]) + 1
     if along_x:
         return Rect(rect.x0 + first, rect.y0, rect.x0 + last, rect.y1)

@@ -37,7 +37,7 @@ def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
                 continue
         flush += _bars(draft, ring, spec, "panel" if spec.finder == "recessed" else spec.finder)
     draft = draft.with_solid([bank for slot in slots for bank in slot.banks])
-    draft = draft.with_bars([slot.bar for slot in slots], "function", spec.bar_height_mm)
+    draft = draft.with_bars([[slot.bar] for slot in slots], "function", spec.bar_height_mm)
     return _with_flush(draft, flush, spec)
 
 
@@ -88,7 +88,7 @@ def _with_flush(draft: Draft, chosen: list[RingBar], spec: PatternSpec) -> Draft
             upright.append(Bar(Rect(x0 - half, min(y0, y1), x0 + half, max(y0, y1)), along_x=False))
         else:
             upright.append(Bar(Rect(min(x0, x1), y0 - half, max(x0, x1), y0 + half), along_x=True))
-    return draft.with_bars(upright, "function")
+    return draft.with_bars([[bar] for bar in upright], "function")
 
 
 def _slot(draft: Draft, bar: RingBar, spec: PatternSpec) -> _Slot | None:
