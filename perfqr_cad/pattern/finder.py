@@ -20,6 +20,10 @@ Side = Literal["top", "left", "right", "bottom"]
 # which leaves no notch; and no wider than the web: a wide bar costs zxing-cpp more than a narrow one.
 FLUSH = 1.0  # modules from the pattern's corner to the near edge of the bar
 CORE_FLUSH = 2.0  # the same for a bar from the core
+# zxing-cpp walks around one dark ring only, and only in small codes, to find the first corner of the code
+# (FitSquareToPoints on the bottom left finder). A flush bar elsewhere costs nothing up to 30° of tilt; the
+# pinched slot of a recessed bar costs it reads at 30 to 40°, so no ring gets one that needs none.
+TRACED_VERSIONS = 6
 PINCH_REACH = 0.5  # modules by which the pinch of a slot outreaches its recessed bar on each side
 PLACES: tuple[tuple[Side, bool], ...] = (  # side, and whether by its far end; the top and left before others
     ("top", False),
@@ -65,6 +69,11 @@ def rings(version: int) -> list[Ring]:
     centres = alignment_centres(version)
     finders = [Ring(0, 0, 7), Ring(0, last, 7), Ring(last, 0, 7)]
     return finders + [Ring(r - 2, c - 2, 5) for r in centres for c in centres if (r, c) not in taken]
+
+
+def is_traced(ring: Ring, version: int) -> bool:
+    """Whether a reader needs to find this ring unbroken: a recessed bar must hold it."""
+    return version <= TRACED_VERSIONS and ring == Ring(17 + 4 * version - 7, 0, 7)
 
 
 def ring_bars(ring: Ring, strategy: FinderStrategy, width: float, solid: Solid) -> list[RingBar]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.draft import Bar, Draft, Rect
-from perfqr_cad.pattern.finder import Ring, RingBar, core_bar, ring_bars, rings
+from perfqr_cad.pattern.finder import Ring, RingBar, core_bar, is_traced, ring_bars, rings
 from perfqr_cad.pattern.lattice import Cells
 from perfqr_cad.pattern.spec import FinderStrategy, PatternSpec
 from perfqr_cad.symbol import Symbol
@@ -30,7 +30,7 @@ def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
     slots: list[_Slot] = []
     flush: list[RingBar] = []
     for ring in rings(symbol.version):
-        if spec.finder == "recessed":
+        if spec.finder == "recessed" and is_traced(ring, symbol.version):
             found = [_slot(draft, bar, spec) for bar in _bars(draft, ring, spec, "recessed")]
             if slot := next(iter(found), None):
                 slots.append(slot)

@@ -30,7 +30,8 @@ class PatternSpec:
     min_gap_mm     least width of a hole; None: one nozzle
     fillet_mm      radius in re-entrant corners of the material; None: half the nozzle, 0: sharp
     finder         bars across the dark rings: `panel` one by the corner, `diagonal` the paper's four at 45°,
-                   `recessed` one by the corner at the back of a slot that is pinched there
+                   `recessed` the same but for the one ring that readers trace, in small codes: there it lies
+                   at the back of a slot that is pinched
     bar_height_mm  height of a recessed bar above the back of the part
     objective      `optimal`, or the baselines `paper` (Eq. (4)) and `mst` (Eq. (4) with λ = 0)
     loss_weight    λ of Eq. (4)

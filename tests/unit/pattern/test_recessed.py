@@ -11,7 +11,7 @@ from perfqr_cad.pattern.front import joined
 from perfqr_cad.pattern.outline import Line
 from perfqr_cad.symbol import encode
 
-RINGS = {1: 3, 2: 4, 7: 9}
+RINGS = {1: 3, 2: 4, 6: 4, 7: 9}  # finders and alignment patterns
 
 
 def made(version=2, art=None, **settings):
@@ -39,24 +39,32 @@ def edges_under(pattern, point):
 
 @pytest.mark.parametrize("version", RINGS)
 @pytest.mark.parametrize("tone", ["normal", "inverted"])
-def test_every_ring_has_one_recessed_bar(version, tone):
+def test_only_the_ring_that_readers_trace_has_a_recessed_bar(version, tone):
     pattern = made(version, tone=tone, bar_height_mm=0.5)
-    assert len(pattern.recessed) == RINGS[version]
-    assert {bridge.height_mm for bridge in pattern.recessed} == {0.5}
-    assert len(pattern.front) == 1 + RINGS[version]
+    assert sum(bridge.stage == "function" for bridge in pattern.bridges) == RINGS[version]
+    assert [bridge.height_mm for bridge in pattern.recessed] == [0.5] * (version <= 6)
+    assert len(pattern.front) == 1 + len(pattern.recessed)
+    assert all(x < 0 and y < 0 for bridge in pattern.recessed for x, y in (bridge.start, bridge.end))
     assert_front_and_bars_are_the_region(pattern)
 
 
 @pytest.mark.parametrize("style", ["rounded", "dots", "diamond", "bars"])
 def test_styles_have_the_same_front(style):
     pattern = made(style=style)
-    assert len(pattern.recessed) == 4
+    assert len(pattern.recessed) == 1
+    assert_front_and_bars_are_the_region(pattern)
+
+
+def test_any_ring_can_have_a_recessed_bar(monkeypatch):
+    monkeypatch.setattr("perfqr_cad.pattern.rings.is_traced", lambda ring, version: True)
+    pattern = made(7)
+    assert len(pattern.recessed) == 9
     assert_front_and_bars_are_the_region(pattern)
 
 
 @pytest.mark.parametrize("style", ["square", "rounded"])
 def test_bars_end_within_one_straight_edge_square_to_them(style):
-    pattern = made(7, style=style)
+    pattern = made(6, style=style)
     for bar in pattern.recessed:
         right_start, right_end, left_end, left_start = bar.corners()
         for middle, corners in ((bar.start, (right_start, left_start)), (bar.end, (right_end, left_end))):
@@ -88,7 +96,7 @@ def test_a_bar_that_another_bridge_covers_becomes_flush():
     over = Bridge(bar.start, bar.end, bar.width_mm, "structural", 0.0)
     more = pattern.with_bridge(over)
     assert len(more.recessed) == len(pattern.recessed) - 1
-    assert len(more.front) == len(pattern.front) - 1
+    assert len(more.front) == 1
     assert_front_and_bars_are_the_region(more)
 
 
@@ -105,9 +113,9 @@ def test_smooth_contours_keep_the_edges_on_which_bars_end():
     symbol = encode("RECESS", version=2)
     scale = 8
     dark = np.kron(symbol.matrix.dark, np.ones((scale, scale), bool))
-    dark[:, 3 * scale : 3 * scale + 2] ^= True  # stairs through a finder
+    dark[:, 3 * scale : 3 * scale + 2] ^= True  # stairs through the finders on the left
     pattern = made(art=Art("freeform", scale, dark))
-    assert len(pattern.recessed) >= 3
+    assert len(pattern.recessed) == 1
     assert_front_and_bars_are_the_region(pattern)
 
 
@@ -117,9 +125,9 @@ def test_round_rings_get_flush_bars():
     dark = np.kron(symbol.matrix.dark, np.ones((scale, scale), bool))
     y, x = np.mgrid[: 7 * scale, : 7 * scale] - 3.5 * scale + 0.5
     away = np.hypot(x, y) / scale
-    dark[: 7 * scale, : 7 * scale] = (away < 1.5) | ((away > 2.5) & (away < 3.5))
+    dark[-7 * scale :, : 7 * scale] = (away < 1.5) | ((away > 2.5) & (away < 3.5))
     pattern = made(1, Art("freeform", scale, dark))
-    assert len(pattern.recessed) == 2
+    assert len(pattern.recessed) == 0
     assert_front_and_bars_are_the_region(pattern)
 
 
@@ -128,5 +136,5 @@ def test_a_bar_that_hangs_in_the_air_is_refused():
     astray = Bridge((0.01, 0.02), (1.01, 0.02), 0.8, "function", 0.0, 0.6)
     with pytest.raises(DesignError, match="no straight edge"):
         joined(pattern.front, [astray])
-    with pytest.raises(DesignError, match="5 pieces"):
+    with pytest.raises(DesignError, match="2 pieces"):
         joined(pattern.front, [])
