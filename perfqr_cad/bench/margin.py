@@ -2,7 +2,7 @@
 
 Codes with bars painted at random into their modules are seen through blur, noise and a threshold, at several
 pixels a module. zxing-cpp tells of each code it reads how much error correction was left ("UEC", the measure
-of ISO/IEC 15415), which is what `sampling.margin_left` predicts. `fit` finds the constants of that prediction.
+of ISO/IEC 15415); `sampling.margin_left` predicts the same. `fit` finds the constants of that prediction.
 """
 
 from __future__ import annotations
@@ -76,8 +76,8 @@ def run() -> Table:
         (
             f"in use: blur {BLUR_SIGMA:g} of a module, noise {NOISE_SIGMA:g} of the contrast;"
             f" best on this sample: {blur:g} and {noise:g}",
-            "margins below 0 and codes that are not read count as 0; verdicts right: part of the views in which"
-            " the code is read exactly when the predicted margin is above 0",
+            "margins below 0 and codes that are not read count as 0; verdicts right: part of the views in"
+            " which the code is read exactly when the predicted margin is above 0",
         ),
     )
 
@@ -93,7 +93,7 @@ def study(seed: int = 1) -> Iterator[Sample]:
 
 
 def damaged(symbol: Symbol, share: float, width: int, rng: np.random.Generator) -> Lattice:
-    """A plain code with bars, solid or void, `share` of them a module, at random places of the encoding region."""
+    """A plain code with bars, solid or void, `share` of them a module, at random between the finders."""
     lattice = draw(~symbol.matrix.dark, 1, QUIET, 1.0, frame=True)
     u, n = lattice.per_module, lattice.modules
     solid = lattice.solid.copy()
@@ -130,12 +130,13 @@ def unused_correction(image: NDArray[np.uint8], text: str) -> float | None:
     formats: Any = zxingcpp.BarcodeFormat.QRCode
     for found in zxingcpp.read_barcodes(image, formats=formats):
         if found.text == text:
-            return float(found.extra["UEC"])
+            extra: Any = found.extra
+            return float(extra["UEC"])
     return None
 
 
 def fit(samples: Sequence[Sample]) -> tuple[float, float]:
-    """Blur and noise with which the margin predicts the measured one best (least squares; unread counts 0)."""
+    """Blur and noise with which the margin predicts the measured one best; a code not read counts as 0."""
     codes = {id(s.lattice): s for s in samples}
     measured = np.array([s.left or 0.0 for s in samples])
 

@@ -1,0 +1,98 @@
+"""How the rings are held, and who reads the code then: the measurement behind the default of `finder`.
+
+Plates of several versions and module sizes are filmed frontally and tilted; every decoder of the core panel
+is asked for each view.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import get_args
+
+from perfqr_cad.bench.pattern import plain
+from perfqr_cad.pattern import PatternSpec, build
+from perfqr_cad.pattern.spec import FinderStrategy
+from perfqr_cad.progress import tell
+from perfqr_cad.scan import Look, View
+from perfqr_cad.scan.decoders import CORE, accepted
+from perfqr_cad.scan.drawn import drawn
+from perfqr_cad.scan.panel import Panel, shared
+from perfqr_cad.scan.proof import reads
+from perfqr_cad.symbol import payload_of
+from perfqr_cad.table import Table
+
+VERSIONS = (1, 3, 6, 7, 14, 25, 40)
+MODULES_MM = (1.2, 2.4)  # the least that a 0.4 mm nozzle can print, and twice that
+THICKNESS_MM, LIP_MM, DRAFT_DEG = 1.2, 0.4, 12.0  # a plate that is meant to be read from the side
+TILTS_DEG = (0.0, 20.0, 30.0)
+AZIMUTHS_DEG = (65.0, 205.0)  # off the code's axes, as the certificate films it
+VIEW_MODULE_PX = 6.0  # frontal
+LEAST_VIEW_PX = 400
+FRAMES = 2  # of an unsteady hand
+
+
+def run() -> Table:
+    """Views read of all filmed, by strategy and tilt, for zxing-cpp and for the whole core panel."""
+    panel = shared(CORE)
+    counts = {
+        (strategy, version, module): _read(strategy, version, module, panel)
+        for strategy, version, module in product(get_args(FinderStrategy), VERSIONS, MODULES_MM)
+    }
+    small = [version for version in VERSIONS if version <= 6]
+    rows: list[tuple[object, ...]] = []
+    for strategy in get_args(FinderStrategy):
+        for name, versions in (("1 to 6", small), ("7 to 40", [v for v in VERSIONS if v not in small])):
+            some = [counts[strategy, v, m] for v in versions for m in MODULES_MM]
+            zxing = [_share([views[k][0] for views in some]) for k in range(len(TILTS_DEG))]
+            every = [_share([views[k][1] for views in some]) for k in range(len(TILTS_DEG))]
+            rows.append((strategy, name, *zxing, *every))
+    return Table(
+        "finder: views read, by how the rings are held",
+        (
+            "finder",
+            "versions",
+            *(f"zxing-cpp {tilt:g}°" for tilt in TILTS_DEG),
+            *(f"core panel {tilt:g}°" for tilt in TILTS_DEG),
+        ),
+        tuple(rows),
+        (
+            f"versions {', '.join(map(str, VERSIONS))}; modules of 1.2 and 2.4 mm; plates of {THICKNESS_MM:g} mm"
+            f" with a lip of {LIP_MM:g} mm and a draft of {DRAFT_DEG:g}°; core panel: {', '.join(CORE)}",
+        ),
+    )
+
+
+Counts = list[tuple[list[bool], list[bool]]]  # by tilt: for zxing-cpp and for every decoder, view by view
+
+
+def _read(strategy: FinderStrategy, version: int, module_mm: float, panel: Panel) -> Counts:
+    tell(f"finder: {strategy}, version {version}, modules of {module_mm:g} mm")
+    symbol = plain(version)
+    size_mm = module_mm * (symbol.size + 8)
+    pattern = build(symbol, PatternSpec(size_mm=size_mm, finder=strategy))
+    scene = drawn(pattern, THICKNESS_MM, draft_deg=DRAFT_DEG, lip_mm=LIP_MM)
+    size_px = max(LEAST_VIEW_PX, round(VIEW_MODULE_PX * (symbol.size + 8) / 0.7))
+    views = [
+        View(tilt, azimuth, size_px=size_px)
+        for tilt in TILTS_DEG
+        for azimuth in (AZIMUTHS_DEG if tilt else AZIMUTHS_DEG[:1])
+    ]
+    right = accepted(payload_of(symbol).data)
+    found = reads(scene, views, Look(), right, panel, frames=[FRAMES] * len(views))
+    return [
+        (
+            ["zxing-cpp" in names for view, names in zip(views, found, strict=True) if view.tilt_deg == tilt],
+            [
+                d in names
+                for view, names in zip(views, found, strict=True)
+                if view.tilt_deg == tilt
+                for d in CORE
+            ],
+        )
+        for tilt in TILTS_DEG
+    ]
+
+
+def _share(read: list[list[bool]]) -> str:
+    every = [one for some in read for one in some]
+    return f"{sum(every) / len(every):.0%}"
