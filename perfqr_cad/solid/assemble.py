@@ -128,7 +128,7 @@ def _stood(stands: Sections, placement: Placement, volume_tol: float, chord_mm: 
         # The quick rule is coarse on spline surfaces.
         if abs(volume - expected) > CURVED_VOLUME_TOL * expected:
             volume = occ.volume(shape, VOLUME_ACCURACY)
-    back_mm = stands.wells[0].levels[-1].depth_mm
+    _, back_mm = stands.between_mm
     triangles = triangulate(
         stands.wells, back_mm, placement.at_depth, tops=stands.tops, chord_mm=chord_mm, flat=placement.is_flat
     )

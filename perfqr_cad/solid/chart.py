@@ -93,6 +93,8 @@ class Column:
     def storey(self, first: int, levels: int) -> Column:
         """The part from one level on."""
         last = first + levels
+        if first == 0 and last == len(self.traces):
+            return self
         return Column(self.traces[first:last], self.walls[first : last - 1])
 
 

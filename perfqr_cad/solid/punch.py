@@ -25,10 +25,10 @@ from .tube import BUILDER, Tube, cap, shell_faces
 
 def panel(sections: Sections, chart: Chart) -> TopoDS_Solid:
     """A wall of its own, whose first well is its rim: a front face for each piece, one back."""
-    first, *_, last = sections.wells[0].levels
+    front_mm, back_mm = sections.between_mm
     made, tops = shell_faces(sections, chart)
-    fronts = [cap(chart, first.depth_mm, wires, outwards=True) for wires in mouths(made)]
-    back = cap(chart, last.depth_mm, [t.foot for t in made if t.foot is not None], outwards=False)
+    fronts = [cap(chart, front_mm, wires, outwards=True) for wires in mouths(made)]
+    back = cap(chart, back_mm, [t.foot for t in made if t.foot is not None], outwards=False)
     return solid_of([*fronts, back, *(face for t in made for face in t.faces), *tops])
 
 

@@ -32,6 +32,12 @@ class Sections:
     pieces: int = 1
     genus: int = 0
 
+    @property
+    def between_mm(self) -> tuple[float, float]:
+        """Depths of the front and the back of a part with a rim."""
+        rim = self.wells[0].part_of or self.wells[0]
+        return rim.levels[0].depth_mm, rim.levels[-1].depth_mm
+
 
 def sections(
     front: Sequence[Region],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from io import StringIO
 
 # ISO 10303-442 (AP242), managed model based 3D engineering.
@@ -48,6 +49,7 @@ class Part21:
         return out.getvalue()
 
 
+@lru_cache(maxsize=1 << 16)  # coordinates of a grid of modules come again and again
 def real(value: float, digits: int = LENGTH_DIGITS) -> str:
     """A number with the decimal point that Part 21 asks for; no negative zero."""
     digits_of = repr(round(value, digits) + 0.0)
