@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from shapely.geometry import Polygon
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.structure.domain import clean
+from perfqr_cad.structure.domain import ThinPart, by_thickness, clean, thin_parts
 from perfqr_cad.structure.field import StressField
-from perfqr_cad.structure.loads import Load, Support, Weight
+from perfqr_cad.structure.loads import Load, Loads, Support, Weight
 from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.materials import material as material_named
 from perfqr_cad.structure.measure import Discs, von_mises
@@ -41,17 +42,18 @@ def analyse(
     placement: Placement,
     *,
     material: Material | str = "PLA",
-    load: Load,
+    load: Load | Loads,
     support: Support | str = "clamped",
     yield_mpa: float | None = None,
     nozzle_mm: float = DEFAULT_NOZZLE_MM,
     mesh_size_mm: float | None = None,
     solver: str | None = None,
 ) -> StressField:
-    """The stress field of a pattern; see `analyse_region` for the arguments."""
+    """The stress field of a pattern, recessed bars with their own thickness; see `analyse_region`."""
     return analyse_region(
         pattern.polygon,
         placement,
+        thin=thin_parts(pattern, placement.thickness_mm),
         material=material,
         load=load,
         support=support,
@@ -74,18 +76,20 @@ def analyse_region(
     placement: Placement,
     *,
     material: Material | str = "PLA",
-    load: Load,
+    load: Load | Loads,
     support: Support | str = "clamped",
     yield_mpa: float | None = None,
     nozzle_mm: float = DEFAULT_NOZZLE_MM,
     mesh_size_mm: float,
+    thin: Sequence[ThinPart] = (),
     lattice: Lattice | None = None,
     solver: str | None = None,
 ) -> StressField:
     """The stress field of a light region (mm, in the pattern plane) as a Reissner-Mindlin shell.
 
-    `yield_mpa` None takes the material's. `mesh_size_mm` is the largest element edge. `solver` is "CHOLMOD",
-    "SuperLU" or None for the best one installed.
+    `thin` are parts of it that do not fill the wall. Several loads act together. `yield_mpa` None takes the
+    material's. `mesh_size_mm` is the largest element edge. `solver` is "CHOLMOD", "SuperLU" or None for the
+    best one installed.
 
     Raises:
         AnalysisError: the region is empty, not finite, in pieces or not held, or a figure is out of range.
@@ -98,6 +102,7 @@ def analyse_region(
         support,
         nozzle_mm=nozzle_mm,
         mesh_size_mm=mesh_size_mm,
+        thin=thin,
         lattice=lattice,
         bends=bends_only(load),
     )
@@ -116,6 +121,7 @@ def prepare(
     nozzle_mm: float,
     mesh_size_mm: float,
     corner_size_mm: float | None = None,
+    thin: Sequence[ThinPart] = (),
     lattice: Lattice | None = None,
     bends: bool = True,
 ) -> Model:
@@ -140,14 +146,18 @@ def prepare(
         layer_mm=LAYER_MESH_SIZES * mesh_size_mm,
         tolerance_mm=TOLERANCE_NOZZLES * nozzle_mm,
     )
-    quilt = patched(domain, lattice, grain)
+    classes = by_thickness(domain, thin, placement.thickness_mm)
+    quilt = patched(list(classes.values()), lattice, grain)
     held = support if isinstance(support, Support) else Support(support)  # type: ignore[arg-type]
-    return build_model(quilt, domain, placement, material, held, mesh_size_mm, placement.is_flat and bends)
+    return build_model(
+        quilt, domain, placement, material, held, mesh_size_mm, placement.is_flat and bends, tuple(classes)
+    )
 
 
-def bends_only(load: Load) -> bool:
-    """Whether a load acts along the normal of a flat part."""
-    return not (isinstance(load, Weight) and load.direction is not None)
+def bends_only(load: Load | Loads) -> bool:
+    """Whether loads act along the normal of a flat part."""
+    loads = load if isinstance(load, tuple) else (load,)
+    return not any(isinstance(one, Weight) and one.direction is not None for one in loads)
 
 
 def field_of(
@@ -169,7 +179,7 @@ def field_of(
     deflection = np.einsum("nc,nc->n", model.translations(displacement), model.frames[:, 2])
     lowest = int(np.argmax(np.abs(deflection)))
     load, reactions, balance = _balance(model, displacement, forces)
-    thickness = model.section.thickness_mm
+    volume = float(model.area_mm2 @ np.broadcast_to(model.section.thickness_mm, len(model.area_mm2)))
     return StressField(
         mesh=model.mesh,
         nodes_mm=model.positions,
@@ -183,17 +193,17 @@ def field_of(
         max_deflection_mm=float(abs(deflection[lowest])),
         max_deflection_at_mm=_pair(model.mesh.nodes[lowest]),
         yield_mpa=model.material.yield_mpa if yield_mpa is None else yield_mpa,
-        mass_g=grams(float(model.area_mm2.sum()) * thickness, model.material.density_kg_m3),
+        mass_g=grams(volume, model.material.density_kg_m3),
         load_n=load,
         reactions_n=reactions,
         balance=balance,
         material=model.material.name,
         support=str(model.support.hold),
-        thickness_mm=thickness,
+        thickness_mm=model.wall_mm,
         mesh_size_mm=model.mesh_size_mm,
         unknowns=int(np.count_nonzero(~model.fixed)),
         solver=solver,
-        warnings=_warnings(float(abs(deflection[lowest])), thickness),
+        warnings=_warnings(float(abs(deflection[lowest])), model.wall_mm),
     )
 
 

@@ -57,10 +57,9 @@ def nearest_places(mesh: Mesh, points: Floats) -> tuple[Ints, Floats]:
     return tried[rows, best], reference
 
 
-def _stiffnesses(section: Section, length: Floats, width: Floats) -> tuple[Floats, ...]:
-    """(shear, bending, torsion) out of the plane and (stretch, shear, bending) in it, each (k,)."""
-    e, t = section.e_mpa, section.thickness_mm
-    g = e / (2.0 * (1.0 + section.nu))
+def _stiffnesses(section: Section, t: float, length: Floats, width: Floats) -> tuple[Floats, ...]:
+    """Of bars t thick: (shear, bending, torsion) outward, (stretch, shear, bending) in it: each (k,)."""
+    e, g = section.e_mpa, section.shear_mpa
     out, inside = e * width * t**3 / 12.0, e * t * width**3 / 12.0
     k = np.sqrt(3.0 * section.kappa) * width / t
     torsion = g * width * t**3 / 3.0 * (1.0 - np.tanh(k) / k)  # of a Reissner-Mindlin strip
@@ -75,17 +74,17 @@ def _stiffnesses(section: Section, length: Floats, width: Floats) -> tuple[Float
     )
 
 
-def bar_tensors(section: Section, bars: Candidates, modes: int) -> Floats:
+def bar_tensors(section: Section, t: float, bars: Candidates, modes: int) -> Floats:
     """Nominal tensors (k, 2, 5, modes) at the two ends of each bar per unit of C's mode amplitudes."""
-    length, width, t = bars.length_mm, bars.width_mm, section.thickness_mm
-    stiff = _stiffnesses(section, length, width)
+    length, width = bars.length_mm, bars.width_mm
+    stiff = _stiffnesses(section, t, length, width)
     root = np.sqrt(np.array(stiff[:modes]))
     out = np.zeros((len(bars), 2, 5, modes))
     for end, sign in enumerate((-1.0, 1.0)):
         # Moments at the ends: that of uniform bending, and the shear force times half the length.
         out[:, end, 0, 0] = sign * 0.5 * length * root[0] * 6.0 / (width * t**2)
         out[:, end, 0, 1] = root[1] * 6.0 / (width * t**2)
-        polar = stiff[2] * length * 2.0 * (1.0 + section.nu) / section.e_mpa
+        polar = stiff[2] * length / section.shear_mpa
         out[:, end, 2, 2] = root[2] * t / polar
         if modes > 3:
             out[:, end, 0, 3] = root[3] / (width * t)
@@ -102,7 +101,9 @@ def _plate_modes(
 ) -> Entries:
     """Shear, bending and twist of a bar in (w, βx, βy) of the two ends."""
     length = bars.length_mm
-    shear, bend, twist = (np.sqrt(k) for k in _stiffnesses(model.section, length, bars.width_mm)[:3])
+    shear, bend, twist = (
+        np.sqrt(k) for k in _stiffnesses(model.section, model.wall_mm, length, bars.width_mm)[:3]
+    )
     none, one = np.zeros((len(bars), 1)), np.ones((len(bars), 1))
     # Between the places the ends are tied to, so that a rigid turn costs nothing.
     places = [np.einsum("kj,kjc->kc", weights, model.mesh.nodes[nodes]) for nodes, weights in tied]
@@ -130,7 +131,7 @@ def _shell_modes(
     n = np.cross(s, t)
     none = np.zeros_like(s)
     half = 0.5 * length[:, None]
-    k = [np.sqrt(x) for x in _stiffnesses(model.section, length, bars.width_mm)]
+    k = [np.sqrt(x) for x in _stiffnesses(model.section, model.wall_mm, length, bars.width_mm)]
     # Along the bar u·n grows by -θ·t and u·t by θ·n.
     modes = (
         (k[0], np.hstack([-n, half * t]), np.hstack([n, half * t])),

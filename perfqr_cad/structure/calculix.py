@@ -65,7 +65,7 @@ def solve(model: Model, pressure_mpa: float, threads: int = 1) -> Answer:
 
 def _wedges(model: Model) -> tuple[Floats, Ints, Ints]:
     """Nodes, C3D15 connectivity from 0, and the held nodes: back layer, front layer, verticals."""
-    mesh, half = model.mesh, 0.5 * model.section.thickness_mm * model.frames[:, 2]
+    mesh, half = model.mesh, 0.5 * model.wall_mm * model.frames[:, 2]
     count = len(mesh.nodes)
     nodes = np.concatenate([model.positions - half, model.positions + half, model.positions[: mesh.corners]])
     corners, middles = mesh.elements[:, :3], mesh.elements[:, 3:]

@@ -95,23 +95,36 @@ class Condensed:
 
     def solve(self, right: Floats) -> Floats:
         """See `solvers.Factor`."""
-        shape, right = right.shape, right.reshape(len(right), -1)
-        rest = right.copy()
-        for kind in self._kinds:
-            pushed = np.flatnonzero(right[kind.inner].any(axis=(1, 2)))
-            if len(pushed):
-                onto = np.einsum("ba,tbk->tak", kind.follow, right[kind.inner[pushed]], optimize=True)
-                rest -= scattered(kind.seam[pushed], onto.reshape(-1, right.shape[1]), len(right))
-        out = np.zeros_like(right)
-        out[self._kept] = self._factor.solve(rest[self._kept])
-        for kind in self._kinds:
-            inside = -np.einsum("ba,tak->tbk", kind.follow, out[kind.seam], optimize=True)
-            pushed = np.flatnonzero(right[kind.inner].any(axis=(1, 2)))
-            inside[pushed] += np.einsum(
-                "bc,tck->tbk", kind.flexibility, right[kind.inner[pushed]], optimize=True
-            )
+        columns = right.reshape(len(right), -1)
+        on_seams, pushed = self._onto_seams(columns)
+        out = np.zeros_like(columns)
+        out[self._kept] = self._factor.solve(on_seams)
+        for kind, rows in zip(self._kinds, pushed, strict=True):
+            inside = -np.matmul(kind.follow, out[kind.seam])
+            inside[rows] += np.matmul(kind.flexibility, columns[kind.inner[rows]])
             out[kind.inner] = inside
-        return out.reshape(shape)
+        return out.reshape(right.shape)
+
+    def work(self, right: Floats) -> Floats:
+        """See `solvers.Factor`."""
+        on_seams, pushed = self._onto_seams(right)
+        total = self._factor.work(on_seams)
+        for kind, rows in zip(self._kinds, pushed, strict=True):
+            inside = right[kind.inner[rows]]
+            total += np.einsum("tbk,tbk->k", inside, np.matmul(kind.flexibility, inside))
+        return total
+
+    def _onto_seams(self, right: Floats) -> tuple[Floats, list[Ints]]:
+        """Right-hand sides as the seams feel them, and the tiles of each kind with any of it inside."""
+        felt = right.copy()
+        pushed: list[Ints] = []
+        loaded = np.asarray(right.any(axis=1))
+        for kind in self._kinds:
+            pushed.append(np.flatnonzero(loaded[kind.inner].any(axis=1)))
+            rows = pushed[-1]
+            onto = np.matmul(kind.follow.T, right[kind.inner[rows]])
+            np.subtract.at(felt, kind.seam[rows].ravel(), onto.reshape(-1, right.shape[1]))
+        return felt[self._kept], pushed
 
 
 def _alike(shared: Flags, held: Flags) -> Iterator[Ints]:

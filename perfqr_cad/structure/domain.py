@@ -6,13 +6,21 @@ snapped and thinned first, and what that changed is checked.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
 import numpy as np
 import shapely
-from shapely.geometry import Polygon
+from shapely.geometry import MultiPolygon, Polygon
 
 from perfqr_cad.errors import AnalysisError
 
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import Pattern
+
 SNAP_MM = 1e-4  # far below any printer, far above the rounding of a double at 1 m
+LEAST_SLOT_MM = 0.4  # before a recessed bar; a shallower slot is filled, as the solid does
 SPECK_FRACTION = 1e-6  # pieces below this share of the area are left-overs of snapping, not parts
 AREA_CHANGE_LIMIT = 0.02  # cleaning may move the outline, never remove a web
 
@@ -40,6 +48,48 @@ def clean(polygon: Polygon) -> Polygon:
             f" (limit {AREA_CHANGE_LIMIT:.0%}): make the webs wider"
         )
     return pieces[0]
+
+
+@dataclass(frozen=True)
+class ThinPart:
+    """A part of the light region (mm) that fills only some of the wall's thickness."""
+
+    polygon: Polygon
+    thickness_mm: float
+
+
+def thin_parts(pattern: Pattern, wall_mm: float) -> tuple[ThinPart, ...]:
+    """The recessed bars of a pattern in a wall thick enough to have their slots."""
+    return tuple(
+        ThinPart(Polygon(bar.corners()), bar.height_mm)
+        for bar in pattern.recessed
+        if bar.height_mm is not None and bar.height_mm + LEAST_SLOT_MM <= wall_mm
+    )
+
+
+def by_thickness(domain: Polygon, thin: Sequence[ThinPart], wall_mm: float) -> dict[float, MultiPolygon]:
+    """A clean region parted by its thickness in mm, that of the wall first.
+
+    Raises:
+        AnalysisError: a part has no thickness.
+    """
+    parts: dict[float, list[Polygon]] = {}
+    for part in thin:
+        if not 0.0 < part.thickness_mm <= wall_mm:
+            raise AnalysisError(
+                f"a part is {part.thickness_mm} mm thick in a wall of {wall_mm} mm: make it thinner"
+            )
+        parts.setdefault(part.thickness_mm, []).append(part.polygon)
+    parts.pop(wall_mm, None)
+    unions = {thickness: shapely.union_all(polygons) for thickness, polygons in parts.items()}
+    rest = shapely.difference(domain, shapely.union_all(list(unions.values())))
+    return {wall_mm: _areas(rest)} | {
+        thickness: _areas(shapely.intersection(domain, union)) for thickness, union in unions.items()
+    }
+
+
+def _areas(region: shapely.Geometry) -> MultiPolygon:
+    return MultiPolygon([part for part in shapely.get_parts(region) if isinstance(part, Polygon)])
 
 
 def _require_finite(polygon: Polygon) -> None:

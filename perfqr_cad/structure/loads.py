@@ -55,6 +55,7 @@ class Weight:
 
 
 Load = Pressure | Finger | Weight
+Loads = tuple[Load, ...]  # acting together
 
 
 class Hold(StrEnum):

@@ -12,7 +12,7 @@ from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure import plate, shell
 from perfqr_cad.structure.assembly import Flags, Structure, System
 from perfqr_cad.structure.condensing import Quilted
-from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Load, Pressure, Support, Weight
+from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Load, Loads, Pressure, Support, Weight
 from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.measure import von_mises
 from perfqr_cad.structure.plate import Section
@@ -26,17 +26,21 @@ KAPPA = 1.0  # shear correction: see docs/strength.md; 5/6 misses the solid by 3
 KG_PER_MM3_PER_KG_M3 = 1e-9
 N_PER_KG_MM_S2 = 1e-3
 FINGER_SITES = 8  # a side: where the worst place of a finger is looked for
+FINGERS_COMPARED = 12  # by stress, of those that do most work: the worst was among the first 7 on two parts
 
 
 @dataclass(frozen=True)
 class Model:
     """A meshed part with its section, supports and element matrices.
 
-    `positions` (n, 3) and `frames` (n, 3, 3; rows e1, e2, n) are the middle surface at the nodes.
+    `positions` (n, 3) and `frames` (n, 3, 3; rows e1, e2, n) are the middle surface at the nodes. `section`
+    has the thickness of each element, `wall_mm` that of the wall. Thin bars are taken in the middle of the
+    wall: standing aside would only stiffen them.
     """
 
     mesh: Mesh
     domain: Polygon
+    wall_mm: float
     section: Section
     material: Material
     support: Support
@@ -66,14 +70,15 @@ class Model:
             return plate.normal_load(self.mesh, -np.asarray(pressure_mpa))
         return shell.normal_load(self.positions, self.mesh.elements, -np.asarray(pressure_mpa))
 
-    def body_forces(self, per_area: Floats) -> Floats:
-        """Nodal forces of a constant vector load (3,) in N/mm² of middle surface."""
+    def body_forces(self, per_volume: Floats) -> Floats:
+        """Nodal forces of a constant vector load (3,) in N/mm³."""
+        thickness = np.broadcast_to(self.section.thickness_mm, len(self.mesh.elements))
         if not self.flat:
-            return shell.body_load(self.positions, self.mesh.elements, per_area)
-        along = self.frames[0] @ per_area
+            return shell.body_load(self.positions, self.mesh.elements, thickness[:, None] * per_volume)
+        along = self.frames[0] @ per_volume
         if np.hypot(along[0], along[1]) > 1e-12 * np.linalg.norm(along):
             raise AnalysisError("a flat plate under a load in its own plane needs the shell model")
-        return plate.normal_load(self.mesh, float(along[2]))
+        return plate.normal_load(self.mesh, along[2] * thickness)
 
     def corner_stresses(self, displacement: Floats) -> Floats:
         """Stress tensors (m, 3, layers, 5) at the element corners, layers through the thickness."""
@@ -84,8 +89,11 @@ class Model:
     def alone(self, elements: Ints) -> Model:
         """Some elements cut loose from each other: six nodes to each, and a motion of one moves no other."""
         nodes = self.mesh.elements[elements].ravel()
+        thickness = np.broadcast_to(self.section.thickness_mm, len(self.mesh.elements))[elements]
         mesh = Mesh(self.mesh.nodes[nodes], np.arange(len(nodes)).reshape(-1, 6), len(nodes))
-        return replace(self, mesh=mesh, positions=self.positions[nodes], frames=self.frames[nodes])
+        section = replace(self.section, thickness_mm=thickness)
+        positions, frames = self.positions[nodes], self.frames[nodes]
+        return replace(self, mesh=mesh, section=section, positions=positions, frames=frames)
 
     def translations(self, vector: Floats) -> Floats:
         """Space components (n, 3) of the translations or forces in a vector of unknowns."""
@@ -102,11 +110,16 @@ def build_model(
     support: Support,
     mesh_size_mm: float,
     flat: bool,
+    thicknesses_mm: tuple[float, ...] = (),
 ) -> Model:
-    """Element matrices and supports of a meshed region on the middle surface of a placement."""
-    mesh = quilt.mesh
-    section = Section(placement.thickness_mm, material.e_mpa, material.nu, KAPPA)
-    positions = placement.at_depth(mesh.nodes, 0.5 * placement.thickness_mm)
+    """Element matrices and supports of a meshed region on the middle surface of a placement.
+
+    `thicknesses_mm` are those of the classes of material, () for the wall's alone.
+    """
+    mesh, wall = quilt.mesh, placement.thickness_mm
+    of_class = np.array(thicknesses_mm or (wall,))
+    section = Section(of_class[quilt.classes], material.e_mpa, material.nu, KAPPA)
+    positions = placement.at_depth(mesh.nodes, 0.5 * wall)
     frames = placement.frame(mesh.nodes)
     dofs = plate.DOFS if flat else shell.DOFS
     fixed = np.repeat(held_nodes(mesh, domain, support)[:, None], dofs, axis=1)
@@ -114,28 +127,44 @@ def build_model(
         fixed[:, plate.BX if flat else shell.ROTATIONS.start :] = False
     system: Structure
     if flat:
-        matrices = tuple(plate.stiffness(block.patch.mesh, section) for block in quilt.blocks)
+        matrices = tuple(
+            plate.stiffness(patch.mesh, replace(section, thickness_mm=of_class[patch.classes]))
+            for patch in (block.patch for block in quilt.blocks)
+        )
         system = Quilted(quilt.blocks, matrices, dofs, fixed.ravel())
     else:
         matrices = shell.stiffness(positions, frames, mesh.elements, section)
         system = System(mesh.elements, dofs, matrices, fixed.ravel())
-    return Model(mesh, domain, section, material, support, positions, frames, flat, system, mesh_size_mm)
+    return Model(
+        mesh, domain, wall, section, material, support, positions, frames, flat, system, mesh_size_mm
+    )
 
 
-def forces_of(model: Model, load: Load, factor: Factor) -> Floats:
-    """Nodal forces (n·d,) of a load; the factor is used to find the worst place for a finger."""
+def forces_of(model: Model, load: Load | Loads, factor: Factor) -> Floats:
+    """Nodal forces (n·d,) of a load, or of several that act together.
+
+    The factor is used to find the worst place for a finger, given all other loads.
+    """
+    loads = load if isinstance(load, tuple) else (load,)
+    roaming = [load for load in loads if isinstance(load, Finger) and load.at_mm is None]
+    forces = np.zeros(len(model.fixed))
+    for one in loads:
+        if one not in roaming:
+            forces += _forces_of(model, one)
+    for finger in roaming:
+        forces = _worst_finger(model, finger, factor, forces)
+    return forces
+
+
+def _forces_of(model: Model, load: Load) -> Floats:
     match load:
         case Pressure(pressure_mpa):
             return model.pressure_forces(pressure_mpa)
         case Weight(direction, gravities):
-            per_area = (
-                model.material.density_kg_m3 * KG_PER_MM3_PER_KG_M3 * STANDARD_GRAVITY_MM_S2 * N_PER_KG_MM_S2
-            ) * (gravities * model.section.thickness_mm)
-            if direction is None:
-                return model.body_forces(-per_area * model.frames[0, 2])
-            return model.body_forces(per_area * np.asarray(direction) / np.linalg.norm(direction))
-        case Finger(_, _, None):
-            return _worst_finger(model, load, factor)
+            per_kg = gravities * STANDARD_GRAVITY_MM_S2 * N_PER_KG_MM_S2
+            per_volume = model.material.density_kg_m3 * KG_PER_MM3_PER_KG_M3 * per_kg
+            way = -model.frames[:, 2].mean(axis=0) if direction is None else np.asarray(direction)
+            return model.body_forces(per_volume * way / np.linalg.norm(way))
         case Finger():
             return _finger_forces(model, load)
 
@@ -147,9 +176,12 @@ def _finger_forces(model: Model, finger: Finger) -> Floats:
         AnalysisError: no material lies under it.
     """
     assert finger.at_mm is not None
-    points = model.mesh.points(SIX_POINTS)
+    centres = model.mesh.nodes[model.mesh.elements[:, :3]].mean(axis=1)
+    near = np.linalg.norm(centres - finger.at_mm, axis=1) <= finger.radius_mm + model.mesh.longest_edge_mm
+    points = model.mesh.points(SIX_POINTS, near)
     inside = np.linalg.norm(points - np.asarray(finger.at_mm), axis=2) <= finger.radius_mm
-    share = (inside @ SIX_WEIGHTS) / SIX_WEIGHTS.sum()
+    share = np.zeros(len(near))
+    share[near] = (inside @ SIX_WEIGHTS) / SIX_WEIGHTS.sum()
     loaded = float(share @ model.area_mm2)
     if loaded <= 0.0:
         x, y = finger.at_mm
@@ -160,22 +192,30 @@ def _finger_forces(model: Model, finger: Finger) -> Floats:
     return model.pressure_forces(finger.force_n / loaded * share)
 
 
-def _worst_finger(model: Model, finger: Finger, factor: Factor) -> Floats:
-    """Forces of the finger where it strains the part most, out of a grid of places."""
+def _worst_finger(model: Model, finger: Finger, factor: Factor, others: Floats) -> Floats:
+    """Forces of the finger and others, it where it strains the part most, out of a grid of places.
+
+    The places of most work are compared by the stress there.
+    """
     left, bottom, right, top = model.domain.bounds
     steps = (np.arange(FINGER_SITES) + 0.5) / FINGER_SITES
+    free = ~model.fixed
     cases: list[Floats] = []
+    work: list[float] = []
     for x in left + steps * (right - left):
+        row: list[Floats] = []
         for y in bottom + steps * (top - bottom):
             try:
-                cases.append(_finger_forces(model, replace(finger, at_mm=(float(x), float(y)))))
+                row.append(others + _finger_forces(model, replace(finger, at_mm=(float(x), float(y)))))
             except AnalysisError:  # a hole larger than a finger
                 continue
+        if row:
+            cases += row
+            work += factor.work(np.stack(row, axis=1) * free[:, None]).tolist()
     if not cases:
         raise AnalysisError(
             f"no material under a finger of radius {finger.radius_mm:g} mm anywhere: use a larger one"
         )
-    free = np.where(model.fixed, 0.0, np.array(cases)).T
-    answers = factor.solve(free)
-    peaks = [float(von_mises(model.corner_stresses(u)).max()) for u in answers.T]
-    return cases[int(np.argmax(peaks))]
+    most = [cases[k] for k in np.argsort(-np.array(work))[:FINGERS_COMPARED]]
+    peaks = [float(von_mises(model.corner_stresses(factor.solve(f * free))).max()) for f in most]
+    return most[int(np.argmax(peaks))]

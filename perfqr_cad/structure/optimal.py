@@ -27,10 +27,11 @@ if TYPE_CHECKING:
 
 WIDTHS_IN_WEBS = (1.0, 1.5)
 NORM = 12  # exponent of the mean that stands for the largest stress while bars are ranked
-SHORT_LIST = 16  # bars compared exactly in a round
+SHORT_LIST = 32  # bars compared exactly in a round
 PROBES = 8  # bars whose exact flexibility stands for all in the ranking
+NONE = np.zeros((0, 0))
 TENSOR = 5  # components of a stress tensor here
-PER_ROUND = 8  # bars laid in a round at most
+PER_ROUND = 16  # bars laid in a round at most
 MOST_ROUNDS = 6  # between two conforming meshes
 AIM = 0.97  # of the limit: bars stand on the old mesh, the conforming one may say a little more
 LEAST_GAIN = 1e-3  # of the stress: what a bar must take off to be laid, and to stay
@@ -82,38 +83,35 @@ class OptimalChoice:
             return pattern, [], []
         coupling = couplings(analysis.model, bars)
         open_rows = np.array([_key(bars.bridge(k, 0.0)) not in self._refused for k in range(len(bars))])
-        laid: list[tuple[int, Bridge]] = []
+        price = _price(bars, pattern.module_mm)
+        laid: list[Bridge] = []
         stresses: list[float] = []
         bridged = pattern
         for _ in range(MOST_ROUNDS):
-            chosen = self._round(analysis, bars, coupling, open_rows, pattern.module_mm)
+            chosen, flexibility = self._round(analysis, bars, coupling, open_rows, price)
             if not chosen:
                 break
-            added: list[int] = []
+            wanted: dict[Bridge, int] = {}
             for row in chosen:
-                if not open_rows[row]:  # one laid just now stands in its way
-                    continue
-                bridge = bars.bridge(row, float(_price(bars, pattern.module_mm)[row]))
-                open_rows[row] = False
-                try:
-                    bridged = bridged.with_bridge(bridge)
-                except DesignError:  # breaks a rule of the pattern
-                    self._refused.add(_key(bridge))
-                    continue
-                open_rows &= ~_in_the_way(bars, row, pattern.spec.gap_mm)
-                laid.append((row, bridge))
-                added.append(row)
+                if open_rows[row]:  # none of those before stands in its way
+                    wanted[bars.bridge(row, float(price[row]))] = row
+                    open_rows &= ~_in_the_way(bars, row, pattern.spec.gap_mm)
+            bridged, added = _with_those_that_fit(bridged, list(wanted))
+            self._refused |= {_key(bridge) for bridge in wanted if bridge not in added}
             if not added:
                 continue
-            analysis.add(_columns(coupling, added, len(bars)))
-            stresses.append(analysis.largest())
+            laid += added
+            rows = [wanted[bridge] for bridge in added]
+            known = np.concatenate([flexibility[:, chosen[row]] for row in rows], axis=1)
+            analysis.add(_columns(coupling, rows, len(bars)), known)
+            stresses.append(analysis.largest)
             if stresses[-1] <= AIM * self._limit:
                 break
         useful = self._useful(analysis, len(laid))
         if useful.all():
-            return bridged, [bridge for _, bridge in laid], stresses
+            return bridged, laid, stresses
         self.removed += int((~useful).sum())
-        kept = [bridge for (_, bridge), keep in zip(laid, useful, strict=True) if keep]
+        kept = [bridge for bridge, keep in zip(laid, useful, strict=True) if keep]
         return pattern.with_bridges(kept), kept, stresses
 
     def avoid(self, bridges: Sequence[Bridge], place: tuple[float, float], reach_mm: float) -> None:
@@ -129,7 +127,7 @@ class OptimalChoice:
         useful = np.ones(count, np.bool_)
         if count < 2:
             return useful
-        hot, _ = analysis.hot_places()
+        hot, _ = analysis.hot_places
         seen = analysis.subset(stress_operator(analysis.model, analysis.discs, hot))
         modes = analysis.modes // count
 
@@ -150,25 +148,31 @@ class OptimalChoice:
         bars: Candidates,
         coupling: sp.csc_matrix,
         open_rows: NDArray[np.bool_],
-        module_mm: float,
-    ) -> list[int]:
-        """Bars worth laying together now, best first."""
-        hot, measure = analysis.hot_places()
+        price: Floats,
+    ) -> tuple[dict[int, slice], Floats]:
+        """Bars worth laying together now, best first, and the columns of each in K0⁻¹ C of those compared."""
+        hot, measure = analysis.hot_places
         if measure[0] <= AIM * self._limit or not open_rows.any():
-            return []
+            return {}, NONE
         operator = stress_operator(analysis.model, analysis.discs, hot)
         now = operator @ analysis.displacement
         adjoint = analysis.solve(np.where(analysis.model.fixed, 0.0, operator.T @ _gradient(now, len(hot))))
-        price = _price(bars, module_mm)
         short = self._short_list(analysis, coupling, adjoint, price, open_rows)
         if not len(short):
-            return []
+            return {}, NONE
         columns = _columns(coupling, short.tolist(), len(bars))
-        flexible = analysis.solve(columns.toarray())
+        flexible = analysis.unbridged(columns)
         modes = (len(coupling.indptr) - 1) // len(bars)
-        own = bar_tensors(analysis.model.section, bars.take(short), modes)
-        exact = _Round(now, operator @ flexible, columns.T @ flexible, columns.T @ analysis.displacement, own)
-        return [int(short[k]) for k in self._greedy(exact, price[short])]
+        own = bar_tensors(analysis.model.section, analysis.model.wall_mm, bars.take(short), modes)
+        exact = _Round(
+            now=now,
+            relief=analysis.between(operator, flexible),
+            flexibility=analysis.between(sp.csr_matrix(columns.T), flexible),
+            strain=columns.T @ analysis.displacement,
+            bar_tensors=own,
+        )
+        chosen = self._greedy(exact, price[short])
+        return {int(short[k]): slice(k * modes, (k + 1) * modes) for k in chosen}, flexible
 
     def _short_list(
         self,
@@ -251,6 +255,21 @@ def _gradient(tensors: Floats, places: int) -> Floats:
     xx, yy, xy, xz, yz = np.moveaxis(parts, -1, 0)
     slope = np.stack([xx - 0.5 * yy, yy - 0.5 * xx, 3.0 * xy, 3.0 * xz, 3.0 * yz], axis=-1)
     return (weight[..., None] * slope).ravel()
+
+
+def _with_those_that_fit(pattern: Pattern, bridges: list[Bridge]) -> tuple[Pattern, list[Bridge]]:
+    """The pattern with these bridges less those that break one of its rules; sought by halving."""
+    if not bridges:
+        return pattern, []
+    try:
+        return pattern.with_bridges(bridges), bridges
+    except DesignError:
+        if len(bridges) == 1:
+            return pattern, []
+    half = len(bridges) // 2
+    pattern, first = _with_those_that_fit(pattern, bridges[:half])
+    pattern, rest = _with_those_that_fit(pattern, bridges[half:])
+    return pattern, first + rest
 
 
 def _columns(coupling: sp.csc_matrix, rows: list[int], count: int) -> sp.csc_matrix:

@@ -20,7 +20,11 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge, Pattern
 
 MOST_BRIDGES = 40  # between two conforming meshes
-ON_WALL_MM = 1e-6  # a sight line may graze the wall it starts from
+MOST_STARTS = (
+    12  # most deformed places that are tried; one beside a finder or alignment ring may see no bridge
+)
+MOST_REFUSED = 8  # cheapest bridges from a place that may break a rule of the pattern
+ON_WALL_MM = 0.03  # the model's outline strays by 1/20 nozzle; a sight line may graze the wall it starts from
 
 
 class PaperChoice:
@@ -45,7 +49,7 @@ class PaperChoice:
             pattern, bridge, coupling = found
             analysis.add(coupling)
             bridges.append(bridge)
-            stresses.append(analysis.largest())
+            stresses.append(analysis.largest)
             if stresses[-1] <= limit_mpa:
                 break
         return pattern, bridges, stresses
@@ -60,8 +64,20 @@ class PaperChoice:
         mesh = analysis.model.mesh
         moved = np.linalg.norm(analysis.model.translations(analysis.displacement), axis=1)
         contour = np.unique(mesh.boundary)
-        start = int(contour[np.argmax(moved[contour])])
+        for start in _apart(mesh, contour[np.argsort(-moved[contour])], pattern.module_mm):
+            found = self._cheapest_from(pattern, analysis, graph, contour, start)
+            if found is not None:
+                return found
+        return None
+
+    def _cheapest_from(
+        self, pattern: Pattern, analysis: Reanalysis, graph: sp.csr_matrix, contour: Ints, start: int
+    ) -> tuple[Pattern, Bridge, sp.csc_matrix] | None:
+        """The cheapest bridge that can be laid from a contour point."""
+        mesh = analysis.model.mesh
         ends = _visible(pattern, mesh, contour, start)
+        if not len(ends):
+            return None
         width = np.full(len(ends), pattern.spec.web_mm)
         p = np.repeat(mesh.nodes[start][None], len(ends), axis=0)
         bars = affordable(pattern, p, mesh.nodes[ends], width)
@@ -72,7 +88,7 @@ class PaperChoice:
         around = geodesic[[nearest[tuple(q)] for q in bars.end.tolist()]]
         loss = pattern.readability.total + bars.loss
         cost = self._loss_weight * loss + bars.length_mm**2 / around
-        for row in np.argsort(cost, kind="stable").tolist():
+        for row in np.argsort(cost, kind="stable").tolist()[:MOST_REFUSED]:
             bridge = bars.bridge(row, float(cost[row]))
             try:
                 bridged = pattern.with_bridge(bridge)
@@ -81,6 +97,16 @@ class PaperChoice:
             if np.isfinite(bridged.readability.total):
                 return bridged, bridge, couplings(analysis.model, bars.take(np.array([row])))
         return None
+
+
+def _apart(mesh: Mesh, order: Ints, least_mm: float) -> list[int]:
+    """The first of some nodes that are no nearer to each other than a distance."""
+    starts: list[int] = []
+    left = order
+    while len(left) and len(starts) < MOST_STARTS:
+        starts.append(int(left[0]))
+        left = left[np.linalg.norm(mesh.nodes[left] - mesh.nodes[left[0]], axis=1) > least_mm]
+    return starts
 
 
 def _visible(pattern: Pattern, mesh: Mesh, contour: Ints, start: int) -> Ints:
@@ -105,7 +131,8 @@ def _light_graph(mesh: Mesh) -> sp.csr_matrix:
     """Edges of the mesh, halves and element diagonals, with their lengths: paths on the light region."""
     pairs = [(i, 3 + k) for k, (i, _) in enumerate(EDGES)] + [(3 + k, j) for k, (_, j) in enumerate(EDGES)]
     pairs += [(3, 4), (4, 5), (5, 3), (0, 4), (1, 5), (2, 3)]
-    links = np.unique(np.sort(np.concatenate([mesh.elements[:, pair] for pair in pairs]), axis=1), axis=0)
-    lengths: Floats = np.linalg.norm(mesh.nodes[links[:, 0]] - mesh.nodes[links[:, 1]], axis=1)
     count = len(mesh.nodes)
-    return sp.csr_matrix((lengths, (links[:, 0], links[:, 1])), shape=(count, count))
+    links = np.sort(np.concatenate([mesh.elements[:, pair] for pair in pairs]), axis=1)
+    first, second = np.divmod(np.unique(links[:, 0] * count + links[:, 1]), count)
+    lengths: Floats = np.linalg.norm(mesh.nodes[first] - mesh.nodes[second], axis=1)
+    return sp.csr_matrix((lengths, (first, second)), shape=(count, count))

@@ -11,6 +11,7 @@ reference triangle, so all element matrices come from one matrix product.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -31,22 +32,27 @@ W, BX, BY = range(DOFS)
 
 @dataclass(frozen=True)
 class Section:
-    """Thickness in mm, modulus in MPa, Poisson's ratio and the shear correction factor κ."""
+    """Thickness in mm, one or one for each element, modulus in MPa, Poisson's ratio, shear correction κ."""
 
-    thickness_mm: float
+    thickness_mm: float | Floats
     e_mpa: float
     nu: float
     kappa: float
 
     @property
-    def bending(self) -> float:
+    def bending(self) -> float | Floats:
         """Plate stiffness D = E t³ / 12(1 - ν²) in N·mm."""
         return self.e_mpa * self.thickness_mm**3 / (12.0 * (1.0 - self.nu**2))
 
     @property
-    def shear(self) -> float:
+    def shear(self) -> float | Floats:
         """Transverse shear stiffness κ G t in N/mm."""
-        return self.kappa * self.e_mpa / (2.0 * (1.0 + self.nu)) * self.thickness_mm
+        return self.kappa * self.shear_mpa * self.thickness_mm
+
+    @property
+    def shear_mpa(self) -> float:
+        """Shear modulus G in MPa."""
+        return self.e_mpa / (2.0 * (1.0 + self.nu))
 
     @property
     def plane_stress(self) -> Floats:
@@ -61,11 +67,16 @@ def stiffness(mesh: Mesh, section: Section) -> Floats:
     twice_area = 2.0 * mesh.area_mm2[:, None]
     squares = (g[:, :, None] * g[:, None, :]).reshape(-1, 16)
     coefficients = np.hstack([squares, g, np.ones_like(twice_area)]) * twice_area
-    return (coefficients @ _reference(section)).reshape(-1, 6 * DOFS, 6 * DOFS)
+    bending, shear = _reference(section.nu)
+    stiff = np.broadcast_to(section.bending, len(g))[:, None] * (coefficients @ bending)
+    stiff += np.broadcast_to(section.shear, len(g))[:, None] * (coefficients @ shear)
+    return stiff.reshape(-1, 6 * DOFS, 6 * DOFS)
 
 
-def _reference(section: Section) -> Floats:
-    """(21, 324): what each product of Jacobian entries adds to the element matrix.
+@cache
+def _reference(nu: float) -> Floats:
+    """(2, 21, 324): what each product of Jacobian entries adds to the element matrix, for unit stiffness in
+    bending and in shear.
 
     Rows 0-15 stand for g[a,p] g[b,q], rows 16-19 for g[a,p], row 20 for 1; a, b run over x, y and p, q over
     ξ, η.
@@ -74,25 +85,23 @@ def _reference(section: Section) -> Floats:
     both = np.einsum("g,gpi,gqj->pqij", weights, dn, dn)
     one = np.einsum("g,gpi,gj->pij", weights, dn, n)
     none = np.einsum("g,gi,gj->ij", weights, n, n)
-    d, s, nu = section.bending, section.shear, section.nu
-    table = np.zeros((21, 6, DOFS, 6, DOFS))
+    bending, shear = tables = np.zeros((2, 21, 6, DOFS, 6, DOFS))
     for (a, p), (b, q) in product(product(range(2), repeat=2), repeat=2):
-        entry = table[(2 * a + p) * 4 + 2 * b + q]
+        row = (2 * a + p) * 4 + 2 * b + q
         if a == b:
             other = 1 - a
-            entry[:, W, :, W] += s * both[p, q]
-            entry[:, 1 + a, :, 1 + a] += d * both[p, q]
-            entry[:, 1 + other, :, 1 + other] += d * (1 - nu) / 2 * both[p, q]
+            shear[row, :, W, :, W] += both[p, q]
+            bending[row, :, 1 + a, :, 1 + a] += both[p, q]
+            bending[row, :, 1 + other, :, 1 + other] += (1 - nu) / 2 * both[p, q]
         else:
-            entry[:, 1 + a, :, 1 + b] += d * nu * both[p, q]
-            entry[:, 1 + b, :, 1 + a] += d * (1 - nu) / 2 * both[p, q]
+            bending[row, :, 1 + a, :, 1 + b] += nu * both[p, q]
+            bending[row, :, 1 + b, :, 1 + a] += (1 - nu) / 2 * both[p, q]
     for a, p in product(range(2), repeat=2):
-        entry = table[16 + 2 * a + p]
-        entry[:, W, :, 1 + a] -= s * one[p]
-        entry[:, 1 + a, :, W] -= s * one[p].T
+        shear[16 + 2 * a + p, :, W, :, 1 + a] -= one[p]
+        shear[16 + 2 * a + p, :, 1 + a, :, W] -= one[p].T
     for a in range(2):
-        table[20, :, 1 + a, :, 1 + a] += s * none
-    return table.reshape(21, -1)
+        shear[20, :, 1 + a, :, 1 + a] += none
+    return tables.reshape(2, 21, -1)
 
 
 def normal_load(mesh: Mesh, pressure_mpa: Floats | float) -> Floats:
@@ -134,8 +143,9 @@ def stresses(mesh: Mesh, solution: Floats, section: Section) -> Floats:
     strain = gauss_strains(mesh, solution)
     out = np.zeros((len(strain), 3, 2, 5))
     # With γ = ∇w - β the displacement across the thickness is -zβ, hence the sign at the +z face.
-    face = -0.5 * section.thickness_mm * strain[..., :3] @ section.plane_stress
-    shear = 1.5 * section.shear / section.thickness_mm * strain[..., 3:]
+    thickness = np.broadcast_to(section.thickness_mm, len(strain))[:, None, None]
+    face = -0.5 * thickness * strain[..., :3] @ section.plane_stress
+    shear = 1.5 * section.kappa * section.shear_mpa * strain[..., 3:]
     out[:, :, 0, :3] = np.einsum("ng,mgc->mnc", FROM_GAUSS_TO_CORNERS, face)
     out[:, :, 1, 3:] = np.einsum("ng,mgc->mnc", FROM_GAUSS_TO_CORNERS, shear)
     return out

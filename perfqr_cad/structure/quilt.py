@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from shapely.geometry import Polygon
+from shapely.geometry import MultiPolygon, Polygon
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.patches import Flags, Patch, Patches
@@ -43,15 +43,15 @@ class Quilt:
     classes: Ints
 
 
-def patched(region: Polygon, lattice: Lattice, grain: Grain) -> Quilt:
-    """The mesh of a clean region.
+def patched(regions: Sequence[Polygon | MultiPolygon], lattice: Lattice, grain: Grain) -> Quilt:
+    """The mesh of a clean region that is parted by classes of material.
 
     Raises:
         AnalysisError: gmsh failed, or the mesh does not cover the region.
     """
-    tiling = cut([region], lattice)
+    tiling = cut(regions, lattice)
     quilt = sew(tiling, Patches(grain).of(tiling))
-    meshed, wanted = float(quilt.mesh.area_mm2.sum()), region.area
+    meshed, wanted = float(quilt.mesh.area_mm2.sum()), sum(region.area for region in regions)
     if abs(meshed - wanted) > AREA_TOLERANCE * wanted:
         raise AnalysisError(
             f"the mesh covers {meshed:.4f} mm² of {wanted:.4f} mm²: the outline touches or crosses itself"

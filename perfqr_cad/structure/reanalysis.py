@@ -34,6 +34,7 @@ class Reanalysis:
         self._couplings: sp.csc_matrix = sp.csc_matrix((unknowns, 0))
         self._flexibility: Floats = np.zeros((unknowns, 0))  # Z0
         self.displacement = self._base
+        self._hot: tuple[Ints, Floats] | None = None
 
     def solve(self, right: Floats) -> Floats:
         """K⁻¹ of one or several right-hand sides, bridges included."""
@@ -44,11 +45,26 @@ class Reanalysis:
         """Columns of C laid so far."""
         return len(self._couplings.indptr) - 1
 
-    def add(self, coupling: sp.csc_matrix) -> None:
-        """Lay bridges for good; C (n, modes) of them all."""
-        self._flexibility = np.hstack([self._flexibility, self._factor.solve(coupling.toarray())])
+    def unbridged(self, coupling: sp.csc_matrix) -> Floats:
+        """Z = K0⁻¹ C (n, modes) of bridges by themselves."""
+        return self._factor.solve(coupling.toarray())
+
+    def between(self, left: sp.csr_matrix, flexibility: Floats) -> Floats:
+        """A K⁻¹ C for rows A (r, n), laid bridges included, given K0⁻¹ C."""
+        alone = left @ flexibility
+        if not self.modes:
+            return alone
+        small = np.eye(self.modes) + self._couplings.T @ self._flexibility
+        return alone - (left @ self._flexibility) @ np.linalg.solve(small, self._couplings.T @ flexibility)
+
+    def add(self, coupling: sp.csc_matrix, flexibility: Floats | None = None) -> None:
+        """Lay bridges for good; C (n, modes) of them all, and K0⁻¹ C where it is known."""
+        if flexibility is None:
+            flexibility = self.unbridged(coupling)
+        self._flexibility = np.hstack([self._flexibility, flexibility])
         self._couplings = sp.csc_matrix(sp.hstack([self._couplings, coupling]))
         self.displacement = self._corrected(self._base)
+        self._hot = None
 
     def subset(self, operator: sp.csr_matrix) -> Callable[[NDArray[np.bool_]], Floats]:
         """What an operator sees of the displacement if only some of the laid modes were there, by flags."""
@@ -67,15 +83,19 @@ class Reanalysis:
         small = np.eye(self.modes) + self._couplings.T @ self._flexibility
         return unbridged - self._flexibility @ np.linalg.solve(small, self._couplings.T @ unbridged)
 
+    @property
     def hot_places(self) -> tuple[Ints, Floats]:
         """The corner nodes with the largest of the named measure, and it in MPa, largest first."""
-        stress = self.model.corner_stresses(self.displacement)
-        places, measure = self.discs.hottest(stress, HOT_SHARE)
-        return places[:HOT_MOST], measure[:HOT_MOST]
+        if self._hot is None:
+            stress = self.model.corner_stresses(self.displacement)
+            places, measure = self.discs.hottest(stress, HOT_SHARE)
+            self._hot = places[:HOT_MOST], measure[:HOT_MOST]
+        return self._hot
 
+    @property
     def largest(self) -> float:
         """The largest of the named measure, in MPa."""
-        return float(self.discs.hottest(self.model.corner_stresses(self.displacement))[1][0])
+        return float(self.hot_places[1][0])
 
 
 def stress_operator(model: Model, discs: Discs, places: Ints) -> sp.csr_matrix:

@@ -21,8 +21,9 @@ from perfqr_cad.structure.analysis import (
     lattice_of,
     prepare,
 )
+from perfqr_cad.structure.domain import thin_parts
 from perfqr_cad.structure.field import StressField
-from perfqr_cad.structure.loads import Load, Support
+from perfqr_cad.structure.loads import Load, Loads, Support
 from perfqr_cad.structure.materials import MATERIALS, Material
 from perfqr_cad.structure.materials import material as material_named
 from perfqr_cad.structure.model import forces_of
@@ -47,7 +48,7 @@ class _Job:
 
     placement: Placement
     material: Material
-    load: Load
+    load: Load | Loads
     support: Support | str
     yield_mpa: float
     nozzle_mm: float
@@ -79,6 +80,7 @@ class _Job:
             nozzle_mm=self.nozzle_mm,
             mesh_size_mm=size,
             corner_size_mm=size,
+            thin=thin_parts(pattern, self.placement.thickness_mm),
             lattice=lattice_of(pattern),
             bends=bends_only(self.load),
         )
@@ -91,7 +93,7 @@ def reinforce(
     placement: Placement,
     *,
     material: Material | str = "PLA",
-    load: Load,
+    load: Load | Loads,
     support: Support | str = "clamped",
     yield_mpa: float | None = None,
     method: Method = "optimal",
@@ -131,7 +133,7 @@ def _run(pattern: Pattern, job: _Job, chooser: Chooser, method: Method) -> Reinf
     while not best.field.strong and confirmations < MOST_CONFIRMATIONS:
         analysis = job.reanalysis(stage.pattern)
         # The coarse model understates the peak: what it may show is the limit, understated as much.
-        scale = analysis.largest() / stage.field.max_stress_mpa
+        scale = analysis.largest / stage.field.max_stress_mpa
         bridged, new, stresses = chooser.lay(stage.pattern, analysis, scale * job.yield_mpa)
         if not new:
             break

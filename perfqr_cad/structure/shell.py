@@ -33,14 +33,16 @@ def stiffness(positions: Floats, frames: Floats, elements: Ints, section: Sectio
     """Element stiffness matrices (m, 36, 36), unknowns node by node (u, θ) in space axes."""
     out = np.empty((len(elements), 6 * DOFS, 6 * DOFS))
     root = np.linalg.cholesky(_elasticity(section)).T
-    drill = np.sqrt(DRILLING_FRACTION * section.e_mpa / (2 * (1 + section.nu)) * section.thickness_mm)
+    thickness = np.broadcast_to(section.thickness_mm, len(elements))
+    drilling = np.sqrt(DRILLING_FRACTION * section.shear_mpa * thickness)
     for start in range(0, len(elements), _CHUNK):
         part = slice(start, start + _CHUNK)
-        x, n = positions[elements[part]], frames[elements[part], 2]
+        x, n, t = positions[elements[part]], frames[elements[part], 2], thickness[part]
+        drill = drilling[part, None, None]
         rows = []
         for point, weight in zip(THREE_POINTS, THREE_WEIGHTS, strict=True):
             for zeta in (-_THROUGH, _THROUGH):
-                strain, volume, _ = strain_matrix(x, n, point, zeta, section.thickness_mm)
+                strain, volume, _ = strain_matrix(x, n, point, zeta, t)
                 rows.append(root @ strain * np.sqrt(weight * volume)[:, None, None])
         for point, weight in zip(SIX_POINTS, SIX_WEIGHTS, strict=True):
             twist, area = _drilling_row(x, n, point)
@@ -54,22 +56,22 @@ def _elasticity(section: Section) -> Floats:
     """Elasticity (5, 5) in MPa for (εxx, εyy, γxy, γxz, γyz) with σzz = 0."""
     c = np.zeros((5, 5))
     c[:3, :3] = section.plane_stress
-    c[3, 3] = c[4, 4] = section.shear / section.thickness_mm
+    c[3, 3] = c[4, 4] = section.kappa * section.shear_mpa
     return c
 
 
 def strain_matrix(
-    x: Floats, n: Floats, point: Floats, zeta: float, thickness_mm: float, axis: Floats | None = None
+    x: Floats, n: Floats, point: Floats, zeta: float, thickness_mm: float | Floats, axis: Floats | None = None
 ) -> tuple[Floats, Floats, Floats]:
     """Strains (m, 5, 36) in local axes at one point of each element, the volume Jacobian, the axes (m, 3, 3).
 
     `x`, `n` (m, 6, 3): nodes on the middle surface and unit normals; `zeta` in [-1, 1] through the thickness.
     `axis` (m, 3) turns the first local axis towards it; by default it follows ∂x/∂ξ.
     """
-    half = 0.5 * thickness_mm
+    half = 0.5 * np.broadcast_to(thickness_mm, len(x))[:, None, None]
     value, slope = shapes(point[None])[0], gradients(point[None])[0]
     layer = x + zeta * half * n
-    g1, g2, g3 = slope[0] @ layer, slope[1] @ layer, value @ n * half
+    g1, g2, g3 = slope[0] @ layer, slope[1] @ layer, value @ n * half[:, 0]
     axes = _local_axes(g1, g2, g1 if axis is None else axis)
     jacobian = np.stack([g1, g2, g3], axis=1)
     inverse = np.linalg.inv(jacobian)
@@ -125,9 +127,10 @@ def normal_load(positions: Floats, elements: Ints, pressure_mpa: Floats | float)
 
 
 def body_load(positions: Floats, elements: Ints, per_area: Floats) -> Floats:
-    """Nodal forces (n·6,) of a constant load vector (3,) per middle area."""
+    """Nodal forces (n·6,) of a load vector per middle area, one (3,) or one for each element (m, 3)."""
     size = np.linalg.norm(_area_vectors(positions[elements]), axis=2)
-    return _scatter(size[..., None] * per_area, elements, len(positions))
+    vectors = np.broadcast_to(per_area, (len(elements), 3))
+    return _scatter(size[..., None] * vectors[:, None], elements, len(positions))
 
 
 def _area_vectors(x: Floats) -> Floats:
@@ -154,6 +157,7 @@ def stresses(
     """
     u = displacement.reshape(-1, DOFS)[elements].reshape(len(elements), -1)
     c = _elasticity(section)
+    thickness = np.broadcast_to(section.thickness_mm, len(elements))
     out = np.empty((len(elements), 3, 3, 5))
     for start in range(0, len(elements), _CHUNK):
         part = slice(start, start + _CHUNK)
@@ -162,7 +166,7 @@ def stresses(
         at_gauss = np.empty((len(x), 3, 3, 5))
         for g, point in enumerate(THREE_POINTS):
             for layer, zeta in enumerate((-1.0, 0.0, 1.0)):
-                strain, _, _ = strain_matrix(x, n, point, zeta, section.thickness_mm, axis)
+                strain, _, _ = strain_matrix(x, n, point, zeta, thickness[part], axis)
                 at_gauss[:, g, layer] = np.einsum("ab,mbi,mi->ma", c, strain, u[part], optimize=True)
         at_gauss[:, :, 1, 3:] *= 1.5
         at_gauss[:, :, (0, 2), 3:] = 0.0

@@ -13,7 +13,7 @@ import numpy as np
 
 from perfqr_cad.structure.analysis import DEFAULT_NOZZLE_MM, bends_only, lattice_of, prepare
 from perfqr_cad.structure.assembly import System
-from perfqr_cad.structure.loads import Load, Support
+from perfqr_cad.structure.loads import Load, Loads, Support
 from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.materials import material as material_named
 from perfqr_cad.structure.measure import Discs
@@ -67,7 +67,7 @@ def verify_solid(
     placement: Placement,
     *,
     material: Material | str = "PLA",
-    load: Load,
+    load: Load | Loads,
     support: Support | str = "clamped",
     nozzle_mm: float = DEFAULT_NOZZLE_MM,
     mesh_size_mm: float | None = None,
@@ -93,13 +93,13 @@ def verify_solid(
     return check(model, load, nozzle_mm, solver)
 
 
-def check(model: Model, load: Load, nozzle_mm: float, solver: str | None = None) -> SolidCheck:
+def check(model: Model, load: Load | Loads, nozzle_mm: float, solver: str | None = None) -> SolidCheck:
     """A shell model against the solid on its mesh."""
     shell_factor = model.factorise(solver)
     forces = forces_of(model, load, shell_factor)
     shell_answer = shell_factor.solve(np.where(model.fixed, 0.0, forces))
 
-    t, nodes = model.section.thickness_mm, len(model.mesh.nodes)
+    t, nodes = model.wall_mm, len(model.mesh.nodes)
     normals = model.frames[:, 2]
     elements = layered(model.mesh.elements, nodes)
     matrices = stiffness(model.positions, normals, model.mesh.elements, t, model.material)

@@ -30,6 +30,10 @@ class Factor(Protocol):
         """The solution for one right-hand side (n,) or several (n, k)."""
         ...
 
+    def work(self, right: Floats) -> Floats:
+        """fᵀ K⁻¹ f (k,) of each of several right-hand sides (n, k)."""
+        ...
+
 
 class Cholmod:
     """Sparse Cholesky by CHOLMOD, given the lower triangle."""
@@ -47,6 +51,10 @@ class Cholmod:
     def solve(self, right: Floats) -> Floats:
         """See `Factor`."""
         return self._factor(right)
+
+    def work(self, right: Floats) -> Floats:
+        """See `Factor`."""
+        return np.einsum("nk,nk->k", right, self.solve(right))
 
 
 class SuperLU:
@@ -72,6 +80,10 @@ class SuperLU:
     def solve(self, right: Floats) -> Floats:
         """See `Factor`."""
         return self._factor.solve(np.asarray(right))
+
+    def work(self, right: Floats) -> Floats:
+        """See `Factor`."""
+        return np.einsum("nk,nk->k", right, self.solve(right))
 
 
 @cache

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+ALL = slice(None)
 EDGES = ((0, 1), (1, 2), (2, 0))
 NODES_REF: Floats = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0], [0.5, 0.5], [0, 0.5]], float)
 
@@ -92,10 +93,16 @@ class Mesh:
         a, b = self._edge_vectors
         return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 
-    def points(self, reference: Floats) -> Floats:
-        """Where reference points (k, 2) lie in each element: (m, k, 2) in mm."""
-        a, b = self._edge_vectors
-        origin = self.nodes[self.elements[:, 0]]
+    @cached_property
+    def longest_edge_mm(self) -> float:
+        """Length of the longest edge."""
+        p = self.nodes[self.elements[:, :3]]
+        return float(np.linalg.norm(p - np.roll(p, 1, axis=1), axis=2).max())
+
+    def points(self, reference: Floats, which: NDArray[np.bool_] | slice = ALL) -> Floats:
+        """Where reference points (k, 2) lie in each element, or in some: (m, k, 2) in mm."""
+        a, b = (vector[which] for vector in self._edge_vectors)
+        origin = self.nodes[self.elements[which, 0]]
         return origin[:, None] + reference[None, :, :1] * a[:, None] + reference[None, :, 1:] * b[:, None]
 
     @cached_property

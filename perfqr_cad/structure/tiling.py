@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely.geometry import Polygon
+from shapely.geometry import MultiPolygon, Polygon
 
 from perfqr_cad.structure.t6 import Floats, Ints
 
@@ -88,7 +88,7 @@ class Tiling:
         return np.array([x, y]) + self.places.astype(float) * self.lattice.pitch_mm
 
 
-def cut(regions: Sequence[Polygon], lattice: Lattice) -> Tiling:
+def cut(regions: Sequence[Polygon | MultiPolygon], lattice: Lattice) -> Tiling:
     """Cut regions, one for each class of material and disjoint, into tiles; empty ones are left out."""
     loops = [_edges(region, lattice) for region in regions]
     size = 2 * lattice.half
@@ -120,9 +120,9 @@ def cut(regions: Sequence[Polygon], lattice: Lattice) -> Tiling:
     return Tiling(lattice, low, places, content_of, tuple(contents))
 
 
-def _edges(region: Polygon, lattice: Lattice) -> Ints:
+def _edges(region: Polygon | MultiPolygon, lattice: Lattice) -> Ints:
     """Directed edges (k, 4), material on the left, repeated points dropped."""
-    rings = shapely.get_rings(shapely.orient_polygons(region))
+    rings = shapely.get_rings(shapely.get_parts(shapely.orient_polygons(region)))
     points, ring = shapely.get_coordinates(rings, return_index=True)
     units = (points - np.asarray(lattice.corner_mm)) / lattice.unit_mm
     even = 2 * np.rint(units / 2).astype(np.int64)

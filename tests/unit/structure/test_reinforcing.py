@@ -122,7 +122,7 @@ def couplings_without_supports(model: object) -> sp.csc_matrix:
 
 def test_stress_operator_is_the_measure() -> None:
     analysis = begin()
-    hot, measure = analysis.hot_places()
+    hot, measure = analysis.hot_places
     operator = stress_operator(analysis.model, analysis.discs, hot)
     tensors = (operator @ analysis.displacement).reshape(len(hot), -1, 5)
     assert von_mises(tensors).max(axis=1) == pytest.approx(measure)
