@@ -2,16 +2,23 @@
 
 from perfqr_cad import make
 from perfqr_cad.solid.meshtarget import MeshTarget
+from perfqr_cad.templating import settings
 
 # [Code]
 # the text of the code
 text = "https://example.com"
+# a picture of an artistic code, instead of the text
+image = ""
 # error correction level
 level = "M"  # [L:7 %, M:15 %, Q:25 %, H:30 %]
-# edge of the code with its quiet zone, mm
-size = 50.0  # [1:0.1:2000]
+# symbol version; 0 takes the smallest that fits
+version = 0  # [0:1:40]
+# edge of the code with its quiet zone, mm; 0 takes the smallest that the nozzle prints
+size = 0.0  # [0:0.1:2000]
 # light margin around the code, modules
 quiet = 4  # [1:1:20]
+# which modules are material
+tone = "normal"  # [normal:light modules, inverted:dark modules]
 
 # [Mesh]
 # the STL, OBJ, PLY, OFF or 3MF file
@@ -30,8 +37,6 @@ point = None
 direction = None
 # what points up in the code; none: +z, or +y where the spot looks along z
 up = None
-# blind pockets this deep, mm; 0: through the wall
-depth = 0.0  # [0:0.05:500]
 # the panel under the code as an exact B-spline solid, instead of the carved mesh
 exact = False
 
@@ -40,6 +45,18 @@ exact = False
 style = "square"  # [square, rounded, dots, diamond, bars]
 # radius of re-entrant corners, mm; -1 takes half the nozzle
 fillet = -1  # [-1:0.05:5]
+# how the finder rings are held
+finder = "panel"  # [panel:as decoders bear it, diagonal:four corner bars, recessed:bars at the back only]
+# how bridges are chosen
+objective = "optimal"  # [optimal:fewest and least harmful, paper:Eq. (4)]
+
+# [Walls]
+# flare of the hole walls towards the back, degrees
+draft = 0  # [0:1:60]
+# straight lip in front of flared walls, mm
+lip = 0  # [0:0.1:50]
+# depth of blind pockets instead of through-holes, mm; 0 goes through
+depth = 0  # [0:0.1:500]
 # width of one printed line or of the kerf, mm
 nozzle = 0.4  # [0.05:0.05:2]
 
@@ -48,6 +65,18 @@ nozzle = 0.4  # [0.05:0.05:2]
 material = "PLA"  # [PLA, PETG, ABS, PA12, resin, aluminium, steel, stainless]
 # uniform pressure on the part, MPa
 pressure = 5e-6
+# how the code's square is held
+support = "clamped"  # [clamped, simple, two-sides, corners]
+# yield stress, MPa; 0 takes the material's
+yield_ = 0
+# check the strength once more in three dimensions
+verify_solid = False
+
+# [Proof]
+# tilt at which the part must still read, degrees; 0 asks for nothing
+scan_tilt = 0  # [0:5:60]
+# seed of everything random
+seed = 0  # [0:1:1000000]
 
 
 def build(p):
@@ -63,15 +92,4 @@ def build(p):
         up=p.up,
         exact=p.exact,
     )
-    return make(
-        p.text,
-        target=target,
-        level=p.level,
-        size_mm=p.size,
-        quiet_modules=p.quiet,
-        style=p.style,
-        fillet_mm=None if p.fillet < 0 else p.fillet,
-        nozzle_mm=p.nozzle,
-        material=p.material,
-        pressure_mpa=p.pressure,
-    )
+    return make(target=target, **settings(p))

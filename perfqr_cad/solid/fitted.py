@@ -163,11 +163,11 @@ def _trace(rung: _Rung, row: int, net: _Net) -> Trace:
     """The curve and its image on the face."""
     curve = spline_curve(rung.poles[row], net.knots, DEGREE)
     error = float(rung.error_mm[row])
-    if rung.images is None or rung.apart_mm is None:
-        return Trace(curve, 0.0, 1.0, None, TOLERANCE_MM + error)
-    image = spline_curve_2d(rung.images[row], net.knots, DEGREE)
+    if rung.apart_mm is not None:
+        error = max(error, float(rung.apart_mm[row]))
     # The greatest distance may lie beside the samples; twice the sampled one bounds a cubic's error curve.
-    slack = TOLERANCE_MM + 2 * max(error, float(rung.apart_mm[row]))
+    slack = TOLERANCE_MM + 2 * error
+    image = None if rung.images is None else spline_curve_2d(rung.images[row], net.knots, DEGREE)
     return Trace(curve, 0.0, 1.0, image, slack)
 
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,52 +13,53 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
-from perfqr_cad.pattern.outline import Loop, Region
+from perfqr_cad.pattern.outline import Loop
 from perfqr_cad.solid import occ
+from perfqr_cad.solid.chart import Well
 from perfqr_cad.solid.fitted import FIT_MM
 from perfqr_cad.solid.imported import kernel
 from perfqr_cad.solid.imported.body import Array
 from perfqr_cad.solid.imported.face_chart import chart_between
 from perfqr_cad.solid.imported.host import Host
 from perfqr_cad.solid.imported.lay import Laid, Projected
+from perfqr_cad.solid.imported.motif import Motif
 from perfqr_cad.solid.imported.probe import probe
 from perfqr_cad.solid.imported.removed import removed_mm3
 from perfqr_cad.solid.imported.tool import carved_mesh, prism
 from perfqr_cad.solid.proof import check
-from perfqr_cad.solid.punch import perforated, solid_of
-from perfqr_cad.solid.sections import Well, hole_wells
+from perfqr_cad.solid.punch import mouths, perforated, solid_of
+from perfqr_cad.solid.recess import NoRecess
+from perfqr_cad.solid.sections import Sections
 from perfqr_cad.solid.shape import Solid
-from perfqr_cad.solid.tube import Tube, tubes
+from perfqr_cad.solid.tube import cap, shell_faces
 from perfqr_cad.solid.walls import Walls
 
 if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Face, TopoDS_Solid
+    from OCP.TopoDS import TopoDS_Face, TopoDS_Solid, TopoDS_Wire
 
 # Removed volume of the exact solid against the integral of the wall over the holes; both are good to 1e-5.
 VOLUME_TOLERANCE = 1e-3
-MESH_VOLUME_TOLERANCE = 0.03  # the mesh strays by its chord error on both sides of the wall
+MESH_VOLUME_TOLERANCE = 0.01  # the mesh strays by its chord error on both sides of the wall
 SAMPLE_MM = 0.5  # along a loop, when asking which faces it lies on
 
 
-def carve(host: Host, region: Region, laid: Laid, walls: Walls, min_web_mm: float = 0.0) -> Solid:
-    """The host with the region's holes in its wall.
+def carve(host: Host, motif: Motif, laid: Laid, walls: Walls) -> Solid:
+    """The host with the motif's holes in its wall; its bars are flush where they cannot lie behind the face
+    (`Solid.notes`).
 
     Raises `DesignError` for walls that cannot be made here, `KernelError` when the result is not one
     sound solid.
     """
-    wells = hole_wells(region.holes, laid.thickness_mm, walls, False, min_web_mm=min_web_mm)
-    sinking = list(zip(region.holes, wells, strict=True))
-    crossing = [
-        hole for (hole, _), over in zip(sinking, _over_edges(host, sinking, laid), strict=True) if over
-    ]
-    base = host
-    if crossing:
-        base = Host(host.name, _cut(host, crossing, laid, walls))
-    shape = _punched(base, [well for hole, well in sinking if hole not in crossing], laid)
-    triangles = carved_mesh(host.body, wells, laid)
+    try:
+        motif = motif.fitted(host.body, laid)
+        shape, notes = _barred(host, motif, laid, walls), ()
+    except NoRecess as reason:
+        motif = motif.flushed()
+        shape, notes = _holed(host, motif, laid, walls), (str(reason),)
+    triangles = carved_mesh(host.body, motif, laid, walls)
     lost = kernel.volume_lost(host.shape, shape)
     if walls.draft_deg == 0:
-        removed, tolerance = removed_mm3(host, region.holes, laid, walls.depth_mm), VOLUME_TOLERANCE
+        removed, tolerance = _removed_mm3(host, motif, laid, walls), VOLUME_TOLERANCE
     else:  # flared holes are wider behind: the triangles, made without the modeller, tell
         removed, tolerance = host.body.triangles.volume_mm3 - triangles.volume_mm3, MESH_VOLUME_TOLERANCE
     problems: list[str] = []
@@ -82,8 +83,45 @@ def carve(host: Host, region: Region, laid: Laid, walls: Walls, min_web_mm: floa
         bbox_mm=kernel.bounding_box(host.shape),
         # By the changed faces alone: see `kernel.volume_lost` for why not from the volume of the host.
         expected_volume_mm3=volume + lost - removed,
+        notes=notes,
         name=host.name,
     )
+
+
+def _barred(host: Host, motif: Motif, laid: Laid, walls: Walls) -> TopoDS_Solid:
+    """All holes punched between one face and another, with recessed bars. Raises `NoRecess` where there are
+    more faces.
+    """
+    if not motif.bars:
+        return _holed(host, motif, laid, walls)
+    made = motif.sections(laid.thickness_mm, walls, barred=True)
+    faces = set(_faces_under(host, made.wells, laid))
+    if len(faces) > 1 or any(_over_edges(host, made.wells, laid)):
+        raise NoRecess("the bars are flush with the face: the code runs over an edge of it")
+    return _punched(host, {faces.pop(): made}, laid)
+
+
+def _holed(host: Host, motif: Motif, laid: Laid, walls: Walls) -> TopoDS_Solid:
+    """The holes punched between the faces they lie on; those over an edge cut before."""
+    wells = motif.sections(laid.thickness_mm, walls, barred=False).wells
+    over = _over_edges(host, wells, laid)
+    base = host
+    if any(over):
+        crossing = [hole for hole, crosses in zip(motif.flush.holes, over, strict=True) if crosses]
+        base = Host(host.name, _cut(host, crossing, laid, walls))
+    inside = [well for well, crosses in zip(wells, over, strict=True) if not crosses]
+    groups: dict[tuple[int, int], list[Well]] = defaultdict(list)
+    for well, faces in zip(inside, _faces_under(base, inside, laid), strict=True):
+        groups[faces].append(well)
+    return _punched(base, {faces: Sections(tuple(wells)) for faces, wells in groups.items()}, laid)
+
+
+def _removed_mm3(host: Host, motif: Motif, laid: Laid, walls: Walls) -> float:
+    """Volume of straight holes, and of the slots before recessed bars."""
+    holes = removed_mm3(host, motif.flush.holes, laid, walls.depth_mm)
+    if not motif.bars:
+        return holes
+    return holes + removed_mm3(host, motif.bar_loops(0.0), laid, motif.top_depth_mm(laid.thickness_mm))
 
 
 def _is_valid(shape: TopoDS_Solid, host: Host, volume_mm3: float) -> bool:
@@ -95,29 +133,26 @@ def _is_valid(shape: TopoDS_Solid, host: Host, volume_mm3: float) -> bool:
     return kernel.is_valid(shape)
 
 
-def _punched(host: Host, wells: Sequence[Well], laid: Laid) -> TopoDS_Solid:
-    """Wells sunk between the faces they lie on, all faces stitched to one shell."""
-    groups: dict[tuple[int, int], list[Well]] = defaultdict(list)
-    for well, faces in zip(wells, _faces_under(host, wells, laid), strict=True):
-        groups[faces].append(well)
-    mouths: dict[int, list[tuple[Tube, bool]]] = defaultdict(list)
-    feet: dict[int, list[tuple[Tube, bool]]] = defaultdict(list)
-    walls: list[TopoDS_Face] = []
-    for (front, back), members in groups.items():
-        reach = members[0].levels[-1].depth_mm
+def _punched(host: Host, groups: Mapping[tuple[int, int], Sections], laid: Laid) -> TopoDS_Solid:
+    """Sections sunk between a front and a back face (−1: floors of their own), all stitched to one shell."""
+    wires: dict[int, list[tuple[TopoDS_Wire, bool]]] = defaultdict(list)
+    added: list[TopoDS_Face] = []
+    for (front, back), sunk in groups.items():
+        reach = max(well.levels[-1].depth_mm for well in sunk.wells)
         chart = chart_between(laid, host.skins[front], host.skins[back] if back >= 0 else None, reach)
-        for made in tubes(tuple(members), chart):
-            mouths[front].append((made, chart.towards_reader(0.0)))
-            if back >= 0:
-                feet[back].append((made, chart.towards_reader(reach)))
-            walls += made.faces
-    faces = []
-    for i, face in enumerate(host.faces):
-        for wires, end in ((mouths[i], "mouth"), (feet[i], "foot")):
-            if wires:
-                face = perforated(face, [getattr(tube, end) for tube, _ in wires], wires[0][1])
-        faces.append(face)
-    return _rejoined(host, faces, walls)
+        made, tops = shell_faces(sunk, chart)
+        holes, *pieces = mouths(made)
+        wires[front] += [(wire, chart.towards_reader(0.0)) for wire in holes]
+        if back >= 0:
+            wires[back] += [(t.foot, chart.towards_reader(reach)) for t in made if t.foot is not None]
+        added += [cap(chart, 0.0, outlines, outwards=True) for outlines in pieces]
+        added += [*(face for tube in made for face in tube.faces), *tops]
+    faces = list(host.faces)
+    for i, found in wires.items():
+        for seen in (True, False):  # the front and the back may be one face, such as a sheet's folded round
+            here = [wire for wire, towards_reader in found if towards_reader == seen]
+            faces[i] = perforated(faces[i], here, seen) if here else faces[i]
+    return _rejoined(host, faces, added)
 
 
 def _rejoined(host: Host, faces: list[TopoDS_Face], walls: list[TopoDS_Face]) -> TopoDS_Solid:
@@ -153,24 +188,24 @@ def _commonest(numbers: NDArray[np.int64]) -> int:
     return int(values[counts.argmax()])
 
 
-def _over_edges(host: Host, sinking: Sequence[tuple[Loop, Well]], laid: Laid) -> list[bool]:
+def _over_edges(host: Host, wells: Sequence[Well], laid: Laid) -> list[bool]:
     """Which holes have an edge of the front or (for through-holes) of the back running under them."""
-    origins, frames = laid.line(np.vstack([_along(hole) for hole, _ in sinking]))
+    origins, frames = laid.line(np.vstack([_along(well.loops[0]) for well in wells]))
     met = probe(host.body, origins, frames[:, 2])
     numbers = [(met.front, 0.0)]
-    if not sinking[0][1].floor:
+    if not any(well.floor for well in wells):
         numbers.append((met.back, laid.thickness_mm))
     lines: list[shapely.LineString] = []
     for faces, depth in numbers:
         for i in np.unique(faces[faces >= 0]):
             lines += _edges_under(host, int(i), laid, depth)
     if not lines:
-        return [False] * len(sinking)
+        return [False] * len(wells)
     tree = shapely.STRtree(lines)
     # A flared hole is widest at its far end: the widest loop is what must be clear of edges.
-    widest = [shapely.Polygon(well.loops[-1].flatten()) for _, well in sinking]
+    widest = [shapely.Polygon(well.loops[-1].flatten()) for well in wells]
     hit = set(tree.query(widest, predicate="intersects")[0].tolist())
-    return [k in hit for k in range(len(sinking))]
+    return [k in hit for k in range(len(wells))]
 
 
 def _edges_under(host: Host, face: int, laid: Laid, depth_mm: float) -> list[shapely.LineString]:

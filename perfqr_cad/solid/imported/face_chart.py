@@ -52,6 +52,7 @@ class PlanePairChart:
     back: Skin | None
     thickness_mm: float
     whole_circles: bool = False
+    _between: dict[float, Geom_Surface] = field(default_factory=dict, repr=False)
 
     @cached_property
     def _plate(self) -> PlaneChart:
@@ -71,14 +72,16 @@ class PlanePairChart:
     def surface(self, depth_mm: float) -> Geom_Surface:
         if depth_mm == 0.0:
             return self.front.surface
-        if self.back is not None:
+        if self.back is not None and depth_mm == self.thickness_mm:
             return self.back.surface
-        return moved(self._plate.surface(depth_mm), self._move)
+        if depth_mm not in self._between:
+            self._between[depth_mm] = moved(self._plate.surface(depth_mm), self._move)
+        return self._between[depth_mm]
 
     def towards_reader(self, depth_mm: float) -> bool:
         if depth_mm == 0.0:
             return self.front.outward_sign > 0
-        return self.back is None or self.back.outward_sign < 0
+        return self.back is None or depth_mm != self.thickness_mm or self.back.outward_sign < 0
 
     def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> list[Column]:
         return [
@@ -99,6 +102,7 @@ class FaceChart:
     back: Skin | None
     thickness_mm: float
     whole_circles: bool = False
+    _between: dict[float, Geom_Surface] = field(default_factory=dict, repr=False)
     _met: dict[tuple[float, bytes], tuple[Array, Array]] = field(default_factory=dict, repr=False)
 
     @property
@@ -117,25 +121,31 @@ class FaceChart:
     def surface(self, depth_mm: float) -> Geom_Surface:
         if depth_mm == 0.0:
             return self.front.surface
-        return self._floor if self.back is None else self.back.surface
+        if self._on_back(depth_mm) and self.back is not None:
+            return self.back.surface
+        if depth_mm not in self._between:
+            self._between[depth_mm] = self._sunk(depth_mm)
+        return self._between[depth_mm]
 
     def towards_reader(self, depth_mm: float) -> bool:
-        if depth_mm > 0.0 and self.back is not None:
+        if self._on_back(depth_mm) and self.back is not None:
             return self.back.outward_sign < 0
         return self.front.outward_sign > 0
 
     def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> list[Column]:
         return lay_fitted(stacks, levels, self)
 
-    @cached_property
-    def _floor(self) -> Geom_Surface:
+    def _on_back(self, depth_mm: float) -> bool:
+        return self.back is not None and depth_mm >= self.thickness_mm
+
+    def _sunk(self, depth_mm: float) -> Geom_Surface:
         """The front moved inwards: along the axis of a projection, along its own normals under a wrap."""
         if isinstance(self.laid, Projected):
-            x, y, z = (-self.thickness_mm * self.laid.frame_at_centre.axes[2]).tolist()
+            x, y, z = (-depth_mm * self.laid.frame_at_centre.axes[2]).tolist()
             shift = gp_Trsf()
             shift.SetTranslation(gp_Vec(x, y, z))
             return moved(self.front.surface, shift)
-        return Geom_OffsetSurface(self.front.surface, -self.thickness_mm * self.front.outward_sign)
+        return Geom_OffsetSurface(self.front.surface, -depth_mm * self.front.outward_sign)
 
     def _meet(self, uv: Array, depth_mm: float) -> tuple[Array, Array]:
         """Parameters and points of a level at pattern points; asked for twice, hence kept."""
@@ -147,7 +157,7 @@ class FaceChart:
     def _found(self, uv: Array, depth_mm: float) -> tuple[Array, Array]:
         lines, frames = self.laid.line(uv)
         reach = self.laid.thickness_mm
-        if self.back is not None and depth_mm >= self.thickness_mm:
+        if self._on_back(depth_mm) and self.back is not None:
             return self.back.meet(lines, frames, self.laid.at_depth(uv, reach), reach)
         images, points = self.front.meet(lines, frames, lines, reach)
         if depth_mm == 0.0:

@@ -209,17 +209,13 @@ def surveys(body: Body, frames: Sequence[Frame], size_mm: float, samples: int = 
     normal = met.normal.reshape(*square, 3) @ np.stack([frame.axes.T for frame in frames])[:, None]
     tilt = np.degrees(np.arccos(np.clip(normal[..., 2], -1, 1)))
     height = met.offset_mm.reshape(square)
-    columns = (
-        height,
-        met.wall_mm.reshape(square),
-        np.where(np.isnan(height), np.nan, tilt),
-        normal,
-        met.front.reshape(square),
-        met.back.reshape(square),
-        met.hidden.reshape(square),
-    )
+    tilt[np.isnan(height)] = np.nan
+    wall, front, back, hidden = (a.reshape(square) for a in (met.wall_mm, met.front, met.back, met.hidden))
     return [
-        Survey(frame, size_mm, *values, body.faceted) for frame, *values in zip(frames, *columns, strict=True)
+        Survey(
+            frame, size_mm, height[k], wall[k], tilt[k], normal[k], front[k], back[k], hidden[k], body.faceted
+        )
+        for k, frame in enumerate(frames)
     ]
 
 

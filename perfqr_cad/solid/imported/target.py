@@ -91,13 +91,14 @@ class ImportedFace:
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
         """The imported solid with the pattern in its wall."""
         from perfqr_cad.solid.imported.carve import carve
+        from perfqr_cad.solid.imported.motif import Motif
         from perfqr_cad.solid.walls import Walls
 
         if not isinstance(placement, Laid):
             raise DesignError("an imported face takes its own placement: use the one this target returned")
         if walls.depth_mm is None and self.depth_mm is not None:
             walls = Walls(walls.draft_deg, walls.lip_mm, self.depth_mm)
-        return carve(self.host, pattern.region, placement, walls, pattern.spec.web_mm)
+        return carve(self.host, Motif.of(pattern), placement, walls)
 
     def _wrapped(self, found: Survey, size_mm: float) -> Laid:
         from perfqr_cad.solid.imported.wrap import survey_wrapped, wrapped

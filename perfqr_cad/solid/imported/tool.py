@@ -8,12 +8,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern.outline import Loop, Region
 from perfqr_cad.solid.chart import Level
 from perfqr_cad.solid.imported.body import Array, Body
 from perfqr_cad.solid.imported.lay import Laid, Projected
+from perfqr_cad.solid.imported.motif import Motif
 from perfqr_cad.solid.imported.probe import probe
 from perfqr_cad.solid.imported.removed import quadrature
 from perfqr_cad.solid.mesh import triangulate
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
 SAMPLE_MM = 0.02  # chord error of the outline that feels for the wall
+BITE_MM = 0.1  # how far a bar is let into what it joins: an eighth of the usual web
 CLEARANCE = 0.2  # of the wall: how far tools stand out before and behind it
 
 
@@ -59,15 +62,22 @@ def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> To
     return BRepBuilderAPI_Transform(block, place, True).Shape()
 
 
-def carved_mesh(body: Body, wells: Sequence[Well], laid: Laid) -> Triangles:
-    """The body less all wells, closed and in as many bodies as before.
+def carved_mesh(body: Body, motif: Motif, laid: Laid, walls: Walls) -> Triangles:
+    """The body less all holes of a motif's front, its bars standing at the back; closed and in as many bodies
+    as before.
 
-    Raises `KernelError` when manifold3d objects or something falls off.
+    Raises `KernelError` when manifold3d objects or something falls off, `NoRecess` where the wall is too thin
+    for bars behind its face.
     """
     import manifold3d
 
     solid = manifold_of(body.triangles)
-    result = solid - manifold3d.Manifold.compose(_tools(body, wells, laid))
+    wells = motif.sections(laid.thickness_mm, walls, barred=False).wells
+    result = solid - manifold3d.Manifold.compose(_tools(body, _drilled(wells), laid))
+    if motif.bars:
+        result = manifold3d.Manifold.batch_boolean(
+            [result, *_bars(body, solid, motif, laid, walls)], manifold3d.OpType.Add
+        )
     if result.status() != manifold3d.Error.NoError:
         raise KernelError(f"carving the mesh failed in manifold3d ({result.status().name}): move the code")
     before, after = len(solid.decompose()), len(result.decompose())
@@ -78,53 +88,101 @@ def carved_mesh(body: Body, wells: Sequence[Well], laid: Laid) -> Triangles:
     return triangles_of(result)
 
 
-def _tools(body: Body, wells: Sequence[Well], laid: Laid) -> list[Manifold]:
+def _drilled(wells: Sequence[Well]) -> list[list[Well]]:
+    """Each hole with the outlines of the pieces that stand in it and in no hole nearer to them."""
+    holes = [well for well in wells if well.loops[0].area < 0]
+    areas = [shapely.Polygon(hole.loops[0].flatten()) for hole in holes]
+    drilled = [[hole] for hole in holes]
+    for island in wells:
+        if island.loops[0].area < 0:
+            continue
+        at = shapely.Point(island.loops[0].segments[0].start)
+        around = [k for k, area in enumerate(areas) if area.contains(at)]
+        drilled[min(around, key=lambda k: areas[k].area)].append(island)
+    return drilled
+
+
+def _tools(body: Body, drilled: Sequence[Sequence[Well]], laid: Laid) -> list[Manifold]:
     """Each hole as a closed mesh that stands out of the wall on both sides (a pocket: only in front)."""
-    feelers = [np.vstack([w.loops[0].flatten(SAMPLE_MM), quadrature([w.loops[0]])[0]]) for w in wells]
+    holes = [hole.loops[0] for hole, *_ in drilled]
+    feelers = [np.vstack([hole.flatten(SAMPLE_MM), quadrature([hole])[0]]) for hole in holes]
     lines, frames = laid.line(np.vstack(feelers))
     met = probe(body, lines, frames[:, 2])
     front = lines + met.offset_mm[:, None] * frames[:, 2]
     splits = np.cumsum([len(uv) for uv in feelers])[:-1]
-    by_well = zip(*(np.split(felt, splits) for felt in (front, met.offset_mm, met.wall_mm)), strict=True)
+    by_hole = zip(*(np.split(felt, splits) for felt in (front, met.offset_mm, met.wall_mm)), strict=True)
     return [
-        _tool(well, laid, front, offset, wall, body.faceted)
-        for well, (front, offset, wall) in zip(wells, by_well, strict=True)
+        _tool(wells, laid, front, offset, wall, body.faceted)
+        for wells, (front, offset, wall) in zip(drilled, by_hole, strict=True)
     ]
 
 
-def _tool(well: Well, laid: Laid, front: Array, offset_mm: Array, wall_mm: Array, faceted: bool) -> Manifold:
+def _tool(
+    wells: Sequence[Well], laid: Laid, front: Array, offset_mm: Array, wall_mm: Array, faceted: bool
+) -> Manifold:
     """One hole, from what was felt under it: front points (k, 3), their offset from the map, and the wall."""
     wall = float(np.nanmax(wall_mm))
     margin = CLEARANCE * wall
-    straight = len(well.loops) == 2 and well.loops[0] == well.loops[1]
-    if isinstance(laid, Projected) and straight and not well.floor:
-        return _straight_tool(well.loops[0], laid, front, wall_mm, margin)
+    straight = all(len(well.loops) == 2 and well.loops[0] == well.loops[1] for well in wells)
+    if isinstance(laid, Projected) and straight and not wells[0].floor:
+        return _straight_tool([well.loops[0] for well in wells], laid, front, wall_mm, margin)
     # A flared through-hole goes on straight from the nominal back to the far end of an uneven wall.
     proud = margin + float(np.nanmax(np.abs(offset_mm)))
-    depths, loops = [level.depth_mm for level in well.levels], list(well.loops)
-    if not well.floor:
-        depths.append(max(wall, depths[-1]) + proud)
-        loops.append(loops[-1])
-    levels = tuple(Level(d + proud if d else 0.0, False) for d in depths)
+    if faceted:  # the lid is as flat as its rim allows: it clears what bulges in the middle
+        proud += float(np.ptp(front @ laid.frame_at_centre.axes[2]))
+    beyond = 0.0 if wells[0].floor else max(0.0, wall - wells[0].levels[-1].depth_mm) + proud
+    return _block(wells, laid, proud, beyond, faceted)
+
+
+def _block(wells: Sequence[Well], laid: Laid, before_mm: float, beyond_mm: float, faceted: bool) -> Manifold:
+    """What lies between loops, from so far before their first level to so far beyond their last."""
+    depths = [level.depth_mm for level in wells[0].levels]
+    columns = [list(well.loops) for well in wells]
+    if before_mm and any(loops[0] != loops[1] for loops in columns):  # a flare begins at the face
+        depths.insert(0, depths[0] - before_mm)
+        columns = [[loops[0], *loops] for loops in columns]
+    else:
+        depths[0] -= before_mm
+    if beyond_mm:
+        depths.append(depths[-1] + beyond_mm)
+        columns = [[*loops, loops[-1]] for loops in columns]
+    origin = depths[0]
+    levels = tuple(Level(d - origin, False) for d in depths)
 
     def place(uv: Array, depth_mm: float) -> Array:
-        return laid.at_depth(uv, depth_mm - proud)
+        return laid.at_depth(uv, depth_mm + origin)
 
-    rim = Well(tuple(loop.reversed() for loop in loops), levels)
-    return manifold_of(triangulate([rim], levels[-1].depth_mm, place, flat=faceted))
+    rims = [Well(tuple(loop.reversed() for loop in loops), levels) for loops in columns]
+    return manifold_of(triangulate(rims, levels[-1].depth_mm, place, flat=faceted))
 
 
-def _straight_tool(hole: Loop, laid: Projected, front: Array, wall_mm: Array, margin: float) -> Manifold:
+def _straight_tool(
+    loops: Sequence[Loop], laid: Projected, front: Array, wall_mm: Array, margin: float
+) -> Manifold:
     """A prism along the projection's axis from above the highest front to below the lowest back."""
     height = laid.frame_at_centre.to_frame(front)[:, 2]
     top, bottom = float(np.nanmax(height)) + margin, float(np.nanmin(height - wall_mm)) - margin
-    loop = hole.reversed()
 
     def place(uv: Array, depth_mm: float) -> Array:
         return laid.frame_at_centre.to_space(np.column_stack([uv, np.full(len(uv), top - depth_mm)]))
 
     levels = (Level(0.0, False), Level(top - bottom, False))
-    return manifold_of(triangulate([Well((loop, loop), levels)], top - bottom, place, flat=True))
+    rims = [Well((loop.reversed(), loop.reversed()), levels) for loop in loops]
+    return manifold_of(triangulate(rims, top - bottom, place, flat=True))
+
+
+def _bars(body: Body, solid: Manifold, motif: Motif, laid: Laid, walls: Walls) -> list[Manifold]:
+    """The body behind the tops of the bars, let into what the bars join."""
+    thickness = laid.thickness_mm
+    top = motif.top_depth_mm(thickness)
+    loops = motif.bar_loops(walls.flare_mm(thickness) + BITE_MM)
+    lines, frames = laid.line(np.vstack([loop.flatten() for loop in loops]))
+    met = probe(body, lines, frames[:, 2])
+    beyond = CLEARANCE * thickness + float(np.nanmax(met.wall_mm - met.offset_mm)) - thickness
+    levels = (Level(top, False), Level(thickness, False))
+    # A tool is what lies to the right of its loops' travel: bars are given as holes are.
+    wells = [Well((loop.reversed(), loop.reversed()), levels) for loop in loops]
+    return [solid ^ _block([well], laid, 0.0, max(0.0, beyond), body.faceted) for well in wells]
 
 
 def manifold_of(mesh: Triangles) -> Manifold:

@@ -50,12 +50,13 @@ class Patch:
         from perfqr_cad.solid.imported import kernel
         from perfqr_cad.solid.imported.carve import carve
         from perfqr_cad.solid.imported.host import Host
+        from perfqr_cad.solid.imported.motif import Motif
         from perfqr_cad.solid.imported.target import projected
 
         name = f"panel fitted within {self.worst_mm:.3f} mm"
         host = Host(name, kernel.sound(self._panel(), name))
         laid = projected(host, survey(host.body, self.frame, self.size_mm))
-        return carve(host, pattern.region, laid, walls, pattern.spec.web_mm)
+        return carve(host, Motif.of(pattern), laid, walls)
 
     def _panel(self) -> TopoDS_Solid:
         """The spline swept along the axis by the wall's thickness."""

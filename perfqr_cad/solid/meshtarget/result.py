@@ -8,7 +8,7 @@ from perfqr_cad.solid.shape import Solid
 from perfqr_cad.surface import Triangles
 
 
-def mesh_solid(mesh: Triangles, name: str) -> Solid:
+def mesh_solid(mesh: Triangles, name: str, notes: tuple[str, ...] = ()) -> Solid:
     """Raises `KernelError` unless the mesh is closed."""
     body = manifold_of(mesh)
     if not mesh.closed:
@@ -23,5 +23,6 @@ def mesh_solid(mesh: Triangles, name: str) -> Solid:
         edges=len(mesh.faces) * 3 // 2,
         volume_mm3=float(body.volume()),
         bbox_mm=((low[0], low[1], low[2]), (high[0], high[1], high[2])),
+        notes=notes,
         name=name,
     )

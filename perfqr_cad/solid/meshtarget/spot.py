@@ -59,25 +59,27 @@ def _flattest(body: Body, size_mm: float, problem: Problem, up: ArrayLike | None
         return found
     commonest = reasons.most_common(1)[0][0] if reasons else "steps between the samples"
     largest = largest_below(size_mm, lambda size: _flat_spot(body, size, problem, up)[0] is not None)
-    remedy = f"at most {_floored(largest)} mm fits" if largest else "take a smaller size"
+    remedy = f"; at most {_floored(largest)} mm fits" if largest else ""
     raise DesignError(
-        f"no spot of the mesh takes a code of {size_mm:.4g} mm ({CANDIDATES} tried; mostly, {commonest}): "
-        f"{remedy}"
+        f"no spot of the mesh takes a code of {size_mm:.4g} mm ({CANDIDATES} tried); mostly, "
+        f"{commonest}{remedy}"
     )
 
 
 def _flat_spot(
     body: Body, size_mm: float, problem: Problem, up: ArrayLike | None
 ) -> tuple[Survey | None, Counter[str]]:
-    """The flattest spot that works, if any, and what was wrong with the others."""
+    """The flattest spot that works, if any, and what is wrong with the others: of those with a good front,
+    where there are any.
+    """
     points, normals, _ = body.samples(CANDIDATES, SEED, OUTER)
-    found = _settled(body, points, normals, size_mm, up)
-    reasons = ["no surface" if spot is None else problem(spot) for spot in found]
-    good = [spot for spot, reason in zip(found, reasons, strict=True) if spot is not None and reason is None]
+    spots = [spot for spot in _settled(body, points, normals, size_mm, up) if spot is not None]
+    good = [spot for spot in spots if problem(spot) is None]
     good.sort(key=lambda spot: float(np.nanmax(spot.tilt_deg)))
     fine = (survey(body, spot.frame, size_mm) for spot in good[:BEST])
     flattest = next((spot for spot in fine if problem(spot) is None), None)
-    return flattest, Counter(reason for reason in reasons if reason is not None)
+    nearly = [spot for spot in spots if spot.front_problem() is None] or spots
+    return flattest, Counter(reason for spot in nearly if (reason := problem(spot)) is not None)
 
 
 def _settled(

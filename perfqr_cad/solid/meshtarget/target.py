@@ -100,10 +100,11 @@ class MeshTarget:
         """The carved mesh (a `Solid` of triangles only), or with `exact` the B-spline panel under the
         code.
         """
+        from perfqr_cad.solid.imported.motif import Motif
         from perfqr_cad.solid.imported.tool import carved_mesh
         from perfqr_cad.solid.meshtarget.patch import fit_patch
         from perfqr_cad.solid.meshtarget.result import mesh_solid
-        from perfqr_cad.solid.sections import hole_wells
+        from perfqr_cad.solid.recess import NoRecess
         from perfqr_cad.solid.walls import Walls
 
         if not isinstance(placement, Projected):
@@ -112,10 +113,12 @@ class MeshTarget:
             walls = Walls(walls.draft_deg, walls.lip_mm, self.depth_mm)
         if self.exact:
             return fit_patch(self.body, placement, pattern.size_mm).solid(pattern, walls)
-        wells = hole_wells(
-            pattern.region.holes, placement.thickness_mm, walls, False, min_web_mm=pattern.spec.web_mm
-        )
-        carved = carved_mesh(self.body, wells, placement)
+        motif = Motif.of(pattern)
+        try:
+            carved = carved_mesh(self.body, motif.fitted(self.body, placement), placement, walls)
+        except NoRecess as reason:
+            flush = carved_mesh(self.body, motif.flushed(), placement, walls)
+            return mesh_solid(flush, self.name, (str(reason),))
         return mesh_solid(carved, self.name)
 
     @property

@@ -75,6 +75,7 @@ class Sketch:
 
     def __init__(self, region: Region, size_mm: float) -> None:
         self.region, self.size_mm, self.spec = region, size_mm, PatternSpec(size_mm=size_mm)
+        self.front, self.recessed = (region,), ()
 
 
 SKETCH = Sketch(few_holes(), 20.0)

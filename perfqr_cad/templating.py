@@ -1,0 +1,48 @@
+"""What shipped templates share: from the parameters people set to the settings of `make`."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+# Parameters and the settings they are. Of a number, 0 leaves the choice to the program.
+SETTINGS = {
+    "level": "level",
+    "version": "version",
+    "size": "size_mm",
+    "quiet": "quiet_modules",
+    "tone": "tone",
+    "style": "style",
+    "finder": "finder",
+    "objective": "objective",
+    "thickness": "thickness_mm",
+    "draft": "draft_deg",
+    "lip": "lip_mm",
+    "depth": "depth_mm",
+    "nozzle": "nozzle_mm",
+    "material": "material",
+    "pressure": "pressure_mpa",
+    "support": "support",
+    "yield_": "yield_mpa",
+    "verify_solid": "verify_solid",
+    "scan_tilt": "scan_tilt_deg",
+    "seed": "seed",
+}
+CHOSEN_IF_ZERO = ("version", "size", "depth", "yield_", "scan_tilt")
+
+
+def settings(p: SimpleNamespace) -> dict[str, Any]:
+    """The settings of `perfqr_cad.make` that a template's parameters hold: `make(**settings(p), target=…)`.
+
+    A picture is taken instead of the text; a fillet below 0 means half the nozzle.
+    """
+    given = vars(p)
+    image = given.get("image") or None
+    made: dict[str, Any] = {"text": None if image else given["text"], "image": image}
+    if "fillet" in given:
+        made["fillet_mm"] = None if p.fillet < 0 else p.fillet
+    for name, setting in SETTINGS.items():
+        if name in given:
+            left_open = name in CHOSEN_IF_ZERO and not given[name]
+            made[setting] = None if left_open else given[name]
+    return made

@@ -1,0 +1,81 @@
+"""Recessed finder bars in walls that are not ours: solids and meshes, straight and flared."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from build123d import Box, Cylinder, Sphere
+
+from perfqr_cad.pattern import Pattern, PatternSpec, build
+from perfqr_cad.solid import Walls
+from perfqr_cad.solid.imported import ImportedFace, kernel, mesh_shape
+from perfqr_cad.solid.meshtarget import MeshTarget
+from perfqr_cad.symbol import encode
+
+SIZE_MM = 36.0
+HOSTS = {
+    "plate": (lambda: Box(50, 2, 50), (0, -1, 0), False),
+    "ring": (lambda: Cylinder(40, 50) - Cylinder(38, 50), (0, -40, 0), True),
+    "ball": (lambda: Sphere(45) - Sphere(43), (0, -45, 0), False),
+}
+
+
+@lru_cache(maxsize=2)
+def pattern(finder: str) -> Pattern:
+    spec = PatternSpec(size_mm=SIZE_MM, quiet_modules=2, nozzle_mm=0.3, finder=finder)
+    return build(encode("BAR", version=1), spec)
+
+
+def slots_mm3(thickness_mm: float) -> float:
+    """Volume before the bars of a plate."""
+    bars = pattern("recessed").recessed
+    lengths = [np.hypot(*np.subtract(bar.end, bar.start)) for bar in bars]
+    return sum(
+        bar.width_mm * length * (thickness_mm - bar.height_mm)
+        for bar, length in zip(bars, lengths, strict=True)
+    )
+
+
+@pytest.mark.parametrize("walls", [Walls(), Walls(draft_deg=8, lip_mm=0.4)], ids=["straight", "flared"])
+@pytest.mark.parametrize("host", HOSTS)
+def test_rings_are_held_behind_the_face(host, walls):
+    shape, point, wrap = HOSTS[host]
+    target = ImportedFace.of(shape(), point=point, wrap=wrap)
+    solid = target.solid(pattern("recessed"), target.placement(SIZE_MM), walls)
+    assert solid.notes == ()
+    assert kernel.is_valid(solid.shape)
+    assert solid.triangles.closed
+    assert solid.volume_mm3 == pytest.approx(solid.triangles.volume_mm3, rel=2e-3)
+
+
+def test_the_slots_before_the_bars_are_missing():
+    target = ImportedFace.of(Box(50, 2, 50), point=(0, -1, 0))
+    solid = target.solid(pattern("recessed"), target.placement(SIZE_MM), Walls())
+    flush = 50 * 50 * 2 - sum(-hole.area for hole in pattern("recessed").region.holes) * 2
+    assert solid.volume_mm3 == pytest.approx(flush - slots_mm3(2.0), rel=1e-9)
+
+
+def test_a_mesh_has_the_same_bars():
+    plate = mesh_shape(Box(50, 2, 50))
+    target = MeshTarget.of(plate, point=(0, -1, 0))
+    placed = target.placement(SIZE_MM)
+    solid = target.solid(pattern("recessed"), placed, Walls())
+    barred = pattern("recessed")
+    flush = target.solid(replace(barred, front=(barred.region,), bridges=()), placed, Walls())
+    assert solid.notes == ()
+    assert flush.volume_mm3 - solid.volume_mm3 == pytest.approx(slots_mm3(2.0), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("walls", "thickness_mm", "reason"),
+    [(Walls(depth_mm=0.8), 2.0, "behind pockets"), (Walls(), 0.9, "no slot")],
+    ids=["pockets", "thin"],
+)
+def test_bars_are_flush_where_there_is_no_room(walls, thickness_mm, reason):
+    target = ImportedFace.of(
+        Box(50, thickness_mm, 50), point=(0, -thickness_mm / 2, 0), depth_mm=walls.depth_mm
+    )
+    solid = target.solid(pattern("recessed"), target.placement(SIZE_MM), walls)
+    assert reason in solid.notes[0]
+    assert solid.valid
