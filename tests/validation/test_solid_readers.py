@@ -3,6 +3,7 @@ installed."""
 
 from __future__ import annotations
 
+import functools
 import shutil
 import subprocess
 from pathlib import Path
@@ -13,10 +14,22 @@ from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
 
+from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.outline import Circle, Loop, Region
-from perfqr_cad.solid import Solid, Walls, build_region, occ, write_step
+from perfqr_cad.solid import (
+    Caption,
+    Plan,
+    Solid,
+    Walls,
+    build_plan,
+    build_region,
+    occ,
+    read_step,
+    write_step,
+)
 from perfqr_cad.surface import Cone, Cylinder, Placement, Plane, Sphere
 
+RED = (0.8, 0.2, 0.1)
 RNG = np.random.default_rng(11)
 CELLS = [(c - 4.5, r - 4.5) for r in range(10) for c in range(10) if RNG.random() < 0.4]
 OUTER = Loop.from_points([(-7, -7), (7, -7), (7, 7), (-7, 7)])
@@ -83,26 +96,62 @@ def test_a_band_equals_sectors_cut_from_a_tube() -> None:
     assert symmetric_difference(solid.shape, brute) < 1e-6 * solid.volume_mm3
 
 
-@pytest.mark.parametrize("name", PLACEMENTS)
+RING = Region(
+    Loop.from_points([(-3, -3), (3, -3), (3, 3), (-3, 3)]),
+    (Loop.from_points([(-2, -2), (-2, 2), (2, 2), (2, -2)]),),
+)
+SLOT = Region(OUTER, (Loop.from_points([(-5, -5), (-5, 5), (5, 5), (5, -5)]),))
+BAR = Bridge((0.0, 3.0), (0.0, 5.0), 1.0, "function", 0.0, height_mm=0.6)
+
+
+@functools.cache
+def part(name: str) -> Solid:
+    """Plates and curved walls, straight and drafted, with recessed bars and letters."""
+    region, drafted = Region(OUTER, DOTS.holes[:8]), Walls(draft_deg=3.0, lip_mm=0.4)
+    match name:
+        case "drafted":
+            return build_region(region, Plane(2.0), drafted, name=name, colour=RED)
+        case "recessed":
+            return build_plan(Plan((SLOT, RING), (BAR,), SLOT), Plane(2.0), drafted, name=name, colour=RED)
+        case "recessed on a cylinder":
+            plan = Plan((SLOT, RING), (BAR,), SLOT, letters=_letter(), relief_mm=0.3)
+            return build_plan(plan, Cylinder(30.0, 2.0), name=name, colour=RED)
+        case _:
+            return build_region(
+                Region(OUTER, REGION.holes[:8]), PLACEMENTS[name], name=name, colour=RED, chord_mm=0.02
+            )
+
+
+def _letter() -> tuple[Region, ...]:
+    """An O on the rim of the slot."""
+    (letter,) = Caption("O", 1.0).letters()
+    outer, counter = (Loop.from_points(loop.flatten(0.05) - (0.0, 6.0)) for loop in letter.loops)
+    return (Region(outer, (counter,)),)
+
+
+PARTS = [*PLACEMENTS, "drafted", "recessed", "recessed on a cylinder"]
+
+
+@pytest.mark.parametrize("name", PARTS)
 def test_meshes_are_one_manifold_body(name: str) -> None:
     import manifold3d
 
-    mesh = build_region(DOTS if name == "plane" else REGION, PLACEMENTS[name], chord_mm=0.02).triangles
+    solid = part(name)
+    mesh = solid.triangles
     body = manifold3d.Manifold(manifold3d.Mesh64(np.array(mesh.vertices), mesh.faces.astype(np.uint64)))
     assert body.status() == manifold3d.Error.NoError
     assert len(body.decompose()) == 1
-    assert body.genus() == len(CELLS)
+    assert body.genus() == (2 if name.startswith("recessed") else 8)
     corners = mesh.vertices[mesh.faces]
     doubled = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     assert doubled.min() > 1e-9
 
 
-@pytest.mark.parametrize("name", PLACEMENTS)
+@pytest.mark.parametrize("name", PARTS)
 def test_gmsh_reads_one_volume_of_the_same_size(name: str, tmp_path: Path) -> None:
     import gmsh
 
-    region = Region(OUTER, REGION.holes[:8])
-    solid = build_region(region, PLACEMENTS[name])
+    solid = part(name)
     write_step(solid, tmp_path / "part.step")
     gmsh.initialize(["-nopopup"], False, False, interruptible=False)
     try:
@@ -115,18 +164,13 @@ def test_gmsh_reads_one_volume_of_the_same_size(name: str, tmp_path: Path) -> No
     assert sizes == pytest.approx([solid.volume_mm3], rel=1e-6)
 
 
-@pytest.fixture(scope="module")
-def drafted() -> Solid:
-    return build_region(Region(OUTER, DOTS.holes[:10]), Plane(2.0), Walls(draft_deg=3.0, lip_mm=0.4))
-
-
 @pytest.mark.skipif(shutil.which("prusa-slicer") is None, reason="prusa-slicer is not installed")
-def test_prusaslicer_slices_without_a_warning(drafted: Solid, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["drafted", "recessed"])
+def test_prusaslicer_slices_without_a_warning(name: str, tmp_path: Path) -> None:
     import trimesh
 
-    trimesh.Trimesh(drafted.triangles.vertices, drafted.triangles.faces, process=False).export(
-        tmp_path / "p.stl"
-    )
+    mesh = part(name).triangles
+    trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(tmp_path / "p.stl")
     command = ["prusa-slicer", "--export-gcode", "-o", str(tmp_path / "p.gcode"), str(tmp_path / "p.stl")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
@@ -143,18 +187,34 @@ def test_prusaslicer_slices_without_a_warning(drafted: Solid, tmp_path: Path) ->
 
 
 @pytest.mark.skipif(shutil.which("freecadcmd") is None, reason="freecad (headless) is not installed")
-def test_freecad_reads_one_valid_solid(drafted: Solid, tmp_path: Path) -> None:
-    write_step(drafted, tmp_path / "part.step")
+def test_freecad_reads_one_valid_solid_of_each(tmp_path: Path) -> None:
+    """Its headless form shows names but no colours; those are read back by the modeller, below."""
+    files = [str(tmp_path / f"{k}.step") for k in range(len(PARTS))]
+    for name, file in zip(PARTS, files, strict=True):
+        write_step(part(name), file)
     script = tmp_path / "read.py"
     script.write_text(
-        "import Part\n"
-        f"shape = Part.Shape()\nshape.read({str(tmp_path / 'part.step')!r})\n"
-        "print('FOUND', len(shape.Solids), shape.isValid(), repr(shape.Volume))\n"
+        "import FreeCAD, Import, Part\n"
+        f"for file in {files!r}:\n"
+        "    shape = Part.Shape()\n"
+        "    shape.read(file)\n"
+        "    document = FreeCAD.newDocument()\n"
+        "    Import.insert(file, document.Name)\n"
+        "    name = document.Objects[0].Label\n"
+        "    print('\\nFOUND', len(shape.Solids), shape.isValid(), repr(shape.Volume), name, sep='|')\n"
     )
     done = subprocess.run(
-        ["freecadcmd", str(script)], capture_output=True, text=True, timeout=120, check=False
+        ["freecadcmd", str(script)], capture_output=True, text=True, timeout=200, check=False
     )
-    (line,) = [x for x in done.stdout.splitlines() if x.startswith("FOUND")]
-    _, solids, valid, volume = line.split()
-    assert (solids, valid) == ("1", "True")
-    assert float(volume) == pytest.approx(drafted.volume_mm3, rel=1e-6)
+    rows = [line.split("|")[1:] for line in done.stdout.splitlines() if line.startswith("FOUND")]
+    assert [(solids, valid, name) for solids, valid, _, name in rows] == [("1", "True", n) for n in PARTS]
+    volumes = [float(volume) for _, _, volume, _ in rows]
+    assert volumes == pytest.approx([part(name).volume_mm3 for name in PARTS], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_the_modeller_reads_name_and_colour(name: str, tmp_path: Path) -> None:
+    write_step(part(name), tmp_path / "part.step")
+    (read,) = read_step(tmp_path / "part.step")
+    assert read.name == name
+    assert read.colour == pytest.approx(RED, abs=1e-6)
