@@ -143,6 +143,8 @@ def _structure(design: Design) -> dict[str, Any]:
     return {
         "material": stress.material,
         "pressure_mpa": design.request.pressure_mpa,
+        "finger_n": design.request.finger_n,
+        "own_weight": design.request.own_weight,
         "support": stress.support,
         "max_stress_mpa": stress.max_stress_mpa,
         "sharp_peak_mpa": stress.sharp_peak_mpa,

@@ -31,7 +31,7 @@ app = typer.Typer(
     rich_markup_mode=None,  # rich help costs 0.15 s of imports at every start
 )
 
-BENCHMARKS = ("symbol", "capture", "pattern", "structure", "solid", "scan", "spine")
+BENCHMARKS = ("symbol", "capture", "pattern", "finder", "margin", "structure", "solid", "scan", "spine")
 BAD_INPUT, INTERRUPTED = 2, 130  # exit codes; 130 is the shell's own for an interrupt
 EXPERIMENTS = ("table1", "table2", "fig9", "fig11", "fig14", "colours", "materials", "limits", "bunny")
 
@@ -69,6 +69,10 @@ def make(
     level: Annotated[_Level | None, _option(help="Error correction level.")] = None,
     version: Annotated[int | None, _option(help="Symbol version, 1-40.")] = None,
     pressure: Annotated[float | None, _option(help="Pressure on the part, MPa.")] = None,
+    finger: Annotated[float | None, _option(help="A fingertip's force at the worst place, N.")] = None,
+    own_weight: Annotated[
+        bool, _option("--own-weight", help="The part lies flat, held by its supports.")
+    ] = False,
     support: Annotated[str | None, _option(help="clamped, simple, two-sides or corners.")] = None,
     verify_solid: Annotated[
         bool, _option("--verify-solid", help="Check the strength once more in three dimensions.")
@@ -104,7 +108,8 @@ def make(
     options: dict[str, Value] = {
         "text": text, "image": None if image is None else str(image), "size": size, "thickness": thickness,
         "nozzle": nozzle, "level": None if level is None else level.value, "version": version,
-        "pressure": pressure, "yield": yield_, "material": material, "support": support,
+        "pressure": pressure, "yield": yield_, "material": material, "finger": finger,
+        "own_weight": own_weight or None, "support": support,
         "verify_solid": verify_solid or None, "draft": draft, "lip": lip, "depth": depth, "fillet": fillet,
         "frame": frame, "corner_radius": corner_radius, "hole": "; ".join(hole) if hole else None,
         "caption": caption, "backing": backing, "gap": gap,

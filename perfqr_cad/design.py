@@ -185,7 +185,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             drawn,
             placement,
             material=material,
-            load=terms.load(request),
+            load=terms.loads(request),
             support=request.support,
             yield_mpa=request.yield_mpa,
             method=request.method,  # pyright: ignore[reportArgumentType]  # reinforce refuses unknown names
@@ -198,7 +198,7 @@ def run(request: Request, target: Target | None = None) -> Design:
                 reinforced.pattern,
                 placement,
                 material=material,
-                load=terms.load(request),
+                load=terms.loads(request),
                 support=request.support,
                 nozzle_mm=request.nozzle_mm,
             )
@@ -283,12 +283,8 @@ def _tuned(request: Request, target: Target | None, drawn: Pattern) -> Request:
     """Walls and thickness for the tilt that is asked for."""
     from perfqr_cad.tuning import for_reader
 
-    def carve(wish: Request) -> tuple[Triangles, Placement]:
-        chosen = target or _plate(wish)
-        placement = chosen.placement(drawn.extent_mm)
-        return chosen.solid(drawn, placement, terms.walls(wish)).triangles, placement
-
-    return for_reader(request, drawn, _payload(drawn.symbol), carve, plate=target is None)
+    thickness_mm = (target or _plate(request)).placement(drawn.extent_mm).thickness_mm
+    return for_reader(request, drawn, _payload(drawn.symbol), thickness_mm, plate=target is None)
 
 
 def _payload(symbol: Symbol) -> bytes:

@@ -16,6 +16,8 @@ class Request:
 
     text, image      the payload, or a picture of an artistic code; exactly one of them
     size_mm          edge of the whole code with its quiet zone; None: the smallest the nozzle can make
+    pressure_mpa     on the whole front; finger_n: force of a fingertip at the worst place; own_weight: the
+                     part lies flat. They act together
     yield_mpa        None: the material's own
     fillet_mm        radius of re-entrant corners; None: half the nozzle
     frame_mm         width of a frame around the quiet zone; corner_radius_mm rounds its outer corners
@@ -61,6 +63,8 @@ class Request:
     depth_mm: float | None = None
     material: str = "PLA"
     pressure_mpa: float = 5e-6  # the paper's 5 Pa
+    finger_n: float = 0.0
+    own_weight: bool = False
     support: str = "clamped"
     yield_mpa: float | None = None
     method: str = "optimal"
@@ -107,6 +111,7 @@ _RANGES: tuple[tuple[str, float, float], ...] = (
     ("lip_mm", 0.0, 500.0),
     ("depth_mm", 0.01, 500.0),
     ("pressure_mpa", 0.0, 1000.0),
+    ("finger_n", 0.0, 1e5),
     ("yield_mpa", 1e-3, 1e5),
     ("scan_tilt_deg", 0.0, 60.0),
 )

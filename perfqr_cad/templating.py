@@ -5,6 +5,8 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+from perfqr_cad.request import read_holes
+
 # Parameters and the settings they are. Of a number, 0 leaves the choice to the program.
 SETTINGS = {
     "level": "level",
@@ -21,26 +23,38 @@ SETTINGS = {
     "depth": "depth_mm",
     "nozzle": "nozzle_mm",
     "material": "material",
+    "frame": "frame_mm",
+    "corner_radius": "corner_radius_mm",
+    "caption": "caption",
+    "caption_height": "caption_height_mm",
+    "caption_relief": "caption_relief_mm",
+    "backing": "backing_mm",
+    "gap": "backing_gap_mm",
     "pressure": "pressure_mpa",
+    "finger": "finger_n",
+    "own_weight": "own_weight",
     "support": "support",
     "yield_": "yield_mpa",
     "verify_solid": "verify_solid",
     "scan_tilt": "scan_tilt_deg",
     "seed": "seed",
 }
-CHOSEN_IF_ZERO = ("version", "size", "depth", "yield_", "scan_tilt")
+CHOSEN_IF_ZERO = ("version", "size", "depth", "caption_height", "backing", "yield_", "scan_tilt")
 
 
 def settings(p: SimpleNamespace) -> dict[str, Any]:
     """The settings of `perfqr_cad.make` that a template's parameters hold: `make(**settings(p), target=…)`.
 
-    A picture is taken instead of the text; a fillet below 0 means half the nozzle.
+    A picture is taken instead of the text; a fillet below 0 means half the nozzle; `hole` lists holes as
+    `request.read_holes` reads them.
     """
     given = vars(p)
     image = given.get("image") or None
     made: dict[str, Any] = {"text": None if image else given["text"], "image": image}
     if "fillet" in given:
         made["fillet_mm"] = None if p.fillet < 0 else p.fillet
+    if "hole" in given:
+        made |= read_holes(p.hole)
     for name, setting in SETTINGS.items():
         if name in given:
             left_open = name in CHOSEN_IF_ZERO and not given[name]

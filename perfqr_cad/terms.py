@@ -71,11 +71,13 @@ def backing(request: Request) -> Backing | None:
     return Backing(request.backing_mm, request.backing_gap_mm, colour)
 
 
-def load(request: Request) -> Load:
-    """What pushes on the part."""
-    from perfqr_cad.structure import Pressure
+def loads(request: Request) -> tuple[Load, ...]:
+    """What pushes on the part, all at once."""
+    from perfqr_cad.structure import Finger, Pressure, Weight
 
-    return Pressure(request.pressure_mpa)
+    finger = (Finger(request.finger_n),) if request.finger_n else ()
+    weight = (Weight(),) if request.own_weight else ()
+    return (Pressure(request.pressure_mpa), *finger, *weight)
 
 
 def plan(request: Request) -> Plan:

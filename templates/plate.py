@@ -1,7 +1,7 @@
 """A flat plate with a perforated code."""
 
 from perfqr_cad import make
-from perfqr_cad.request import read_holes
+from perfqr_cad.templating import settings
 
 # [Code]
 # the text of the code
@@ -62,6 +62,10 @@ nozzle = 0.4  # [0.05:0.05:2]
 material = "PLA"  # [PLA, PETG, ABS, PA12, resin, aluminium, steel, stainless]
 # uniform pressure on the part, MPa
 pressure = 5e-6
+# force of a fingertip at the worst place, N
+finger = 0  # [0:0.5:10000]
+# whether the plate lies flat under its own weight
+own_weight = False
 # how the plate is held
 support = "clamped"  # [clamped, simple, two-sides, corners]
 # yield stress, MPa; 0 takes the material's
@@ -77,36 +81,4 @@ seed = 0  # [0:1:1000000]
 
 
 def build(p):
-    return make(
-        text=None if p.image else p.text,
-        image=p.image or None,
-        level=p.level,
-        version=p.version or None,
-        size_mm=p.size or None,
-        quiet_modules=p.quiet,
-        tone=p.tone,
-        style=p.style,
-        fillet_mm=None if p.fillet < 0 else p.fillet,
-        finder=p.finder,
-        objective=p.objective,
-        thickness_mm=p.thickness,
-        draft_deg=p.draft,
-        lip_mm=p.lip,
-        frame_mm=p.frame,
-        corner_radius_mm=p.corner_radius,
-        **read_holes(p.hole),
-        caption=p.caption or None,
-        caption_height_mm=p.caption_height or None,
-        caption_relief_mm=p.caption_relief,
-        backing_mm=p.backing or None,
-        backing_gap_mm=p.gap,
-        depth_mm=p.depth or None,
-        nozzle_mm=p.nozzle,
-        material=p.material,
-        pressure_mpa=p.pressure,
-        support=p.support,
-        yield_mpa=p.yield_ or None,
-        verify_solid=p.verify_solid,
-        scan_tilt_deg=p.scan_tilt or None,
-        seed=p.seed,
-    )
+    return make(**settings(p))

@@ -62,6 +62,10 @@ nozzle = 0.4  # [0.05:0.05:2]
 material = "PLA"  # [PLA, PETG, ABS, PA12, resin, aluminium, steel, stainless]
 # uniform pressure on the part, MPa
 pressure = 5e-6
+# force of a fingertip at the worst place of the code, N
+finger = 0  # [0:0.5:10000]
+# whether the code's square carries its own weight, lying flat
+own_weight = False
 # how the code's square is held
 support = "clamped"  # [clamped, simple, two-sides, corners]
 # yield stress, MPa; 0 takes the material's
