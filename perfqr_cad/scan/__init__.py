@@ -10,6 +10,7 @@ from .report import DecoderResult, ScanReport, Sight
 
 if TYPE_CHECKING:
     from .camera import Camera, Target, View
+    from .drawn import drawn
     from .filed import part
     from .flat import FlatPrint, printed
     from .panel import Panel
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "camera": ("Camera", "Target", "View"),
+    "drawn": ("drawn",),
     "filed": ("part",),
     "flat": ("FlatPrint", "printed"),
     "panel": ("Panel",),
@@ -36,7 +38,7 @@ _LAZY = {name: module for module, names in _MODULES.items() for name in names}
 __all__ = [
     "BLACK", "FULL", "QUICK", "WHITE", "Camera", "DecoderResult", "FlatPrint", "Goal", "Legibility", "Light",
     "Look", "Optics", "Panel", "Part", "Plan", "ScanReport", "Scene", "Sight", "Target", "Trial", "View",
-    "certify", "improve", "legibility", "load_mesh", "part", "place", "printed", "reads",
+    "certify", "drawn", "improve", "legibility", "load_mesh", "part", "place", "printed", "reads",
 ]  # fmt: skip
 
 

@@ -19,8 +19,8 @@ def sentences(report: ScanReport) -> tuple[str, ...]:
         )
     if "zxing-cpp" in walls:
         lines.append(
-            "zxing-cpp follows the dark rings of the finders: make the bars across them narrower or set them "
-            "deeper, until a bar gets less than a third of the light on the front"
+            "zxing-cpp follows the dark ring of the lower-left finder: recess the bar across it, or blacken "
+            "it, until it gets less than a third of the light on the front; or take version 7 or more"
         )
     return tuple(lines)
 

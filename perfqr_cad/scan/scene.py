@@ -8,11 +8,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.scan import photo, plate, raster, rays, sections, skylight
+from perfqr_cad.scan import photo, plate, raster, rays, skylight
 from perfqr_cad.scan.camera import Camera, View
 from perfqr_cad.scan.look import Light, Look
 from perfqr_cad.scan.placing import Part
 from perfqr_cad.scan.plate import Shot
+from perfqr_cad.scan.sections import Stack
+from perfqr_cad.scan.sections import stack as cut_stack
 
 STEEPEST_DEG = 65.0  # no decoder reads a flat print beyond 60° (paper, Fig. 14)
 LEAST_WEB_MM = 0.4  # one line of the common nozzle: nothing thinner is printed
@@ -23,10 +25,14 @@ TARGET_PX = 450  # a code seen smaller than this is rendered larger and averaged
 
 @dataclass(frozen=True)
 class Scene:
-    """A part before the camera; light and sections are worked out on first use and kept."""
+    """A part before the camera; light and sections are worked out on first use and kept.
+
+    sections   those of a plate, where they are known without its mesh
+    """
 
     part: Part
     least_web_mm: float = LEAST_WEB_MM
+    sections: Stack | None = None
 
     def prepare(self, look: Look) -> None:
         """Work out sections and light now, before several threads ask for pictures."""
@@ -94,10 +100,12 @@ class Scene:
         return rays.tracer(self.part)
 
     @cached_property
-    def _stack(self) -> sections.Stack:
+    def _stack(self) -> Stack:
+        if self.sections is not None:
+            return self.sections
         vertices = self.part.in_frame()
         thickness = float(np.ptp(vertices[:, 2]))
-        return sections.stack(
+        return cut_stack(
             vertices,
             self.part.faces,
             edge_mm=MARGIN * 2 * float(np.abs(vertices[:, :2]).max()),

@@ -1,4 +1,4 @@
-"""Design for the reader: the cheapest change of walls and bars that reaches a tilt.
+"""Design for the reader: the change of walls that reads best at a tilt.
 
 Settings are tried one at a time from where they stand (coordinate search). The surrogate ranks them; the
 panel has the last word on the best few.
@@ -14,16 +14,15 @@ from perfqr_cad.progress import tell
 from perfqr_cad.scan.decoders import CORE, accepted
 from perfqr_cad.scan.look import Look
 from perfqr_cad.scan.panel import shared
-from perfqr_cad.scan.placing import place
 from perfqr_cad.scan.proof import Plan, reads
 from perfqr_cad.scan.scene import Scene
 from perfqr_cad.scan.surrogate import Legibility, legibility
-from perfqr_cad.surface import Placement, Triangles
 from perfqr_cad.symbol import Matrix
 
 Settings = Mapping[str, float]
-Build = Callable[[Settings], tuple[Triangles, Placement]]
+Stage = Callable[[Settings], Scene]
 CONFIRMED = 3  # candidates that the panel looks at, best surrogate first
+FRAMES = 2  # of an unsteady hand, as in the full panel
 GAIN = 0.005  # of full contrast: a smaller step of the surrogate is noise
 
 
@@ -58,7 +57,7 @@ class Trial:
 
 
 def improve(
-    build: Build,
+    stage: Stage,
     start: Settings,
     choices: Mapping[str, Sequence[float]],
     goal: Goal,
@@ -67,7 +66,7 @@ def improve(
 ) -> tuple[Trial, tuple[Trial, ...]]:
     """The best settings found, and every trial in the order made.
 
-    build     makes the part for some settings; a `PerfQRError` from it rules the settings out
+    stage     puts the part with some settings before the camera; a `PerfQRError` from it rules them out
     start     a value for every setting
     choices   values to try for each setting, in any order
 
@@ -79,10 +78,10 @@ def improve(
     def attempt(settings: Settings) -> Trial:
         key = tuple(sorted(settings.items()))
         if key not in tried:
-            tried[key] = _estimate(build, settings, goal, look)
+            tried[key] = _estimate(stage, settings, goal, look)
         return tried[key]
 
-    first = _confirm(build, attempt(start), goal, look)
+    first = _confirm(stage, attempt(start), goal, look)
     if first.rate == 1.0:
         return first, (first,)
     best = attempt(start)
@@ -97,27 +96,28 @@ def improve(
         if best is round_start:
             break
     ranked = sorted(tried.values(), key=lambda trial: -trial.score)[:CONFIRMED]
-    confirmed = [_confirm(build, trial, goal, look) for trial in ranked if trial.legibility is not None]
+    confirmed = [_confirm(stage, trial, goal, look) for trial in ranked if trial.legibility is not None]
     winner = max([first, *confirmed], key=lambda trial: trial.rate or 0.0)
     return winner, (*tried.values(), first, *confirmed)
 
 
-def _estimate(build: Build, settings: Settings, goal: Goal, look: Look) -> Trial:
+def _estimate(stage: Stage, settings: Settings, goal: Goal, look: Look) -> Trial:
     try:
-        triangles, placement = build(settings)
+        scene = stage(settings)
     except PerfQRError as error:
         return Trial(dict(settings), None, problem=str(error))
-    scene = Scene(place(triangles, placement))
     return Trial(dict(settings), legibility(scene, goal.matrix, goal.module_mm, goal.tilt_deg, look=look))
 
 
-def _confirm(build: Build, trial: Trial, goal: Goal, look: Look) -> Trial:
+def _confirm(stage: Stage, trial: Trial, goal: Goal, look: Look) -> Trial:
     """Ask the panel: share of decoders x azimuths that read the part at the goal's tilt."""
     if trial.legibility is None:
         return trial
-    triangles, placement = build(trial.settings)
-    scene = Scene(place(triangles, placement))
     views = Plan((goal.tilt_deg,), goal.azimuths_deg).views()
-    read = reads(scene, views, look, accepted(goal.payload), shared(goal.decoders))
+    panel = shared(goal.decoders)
+    read = reads(
+        stage(trial.settings), views, look, accepted(goal.payload), panel,
+        frames=[FRAMES] * len(views), step=f"scan tilt {goal.tilt_deg:g}°: the panel",
+    )  # fmt: skip
     rate = sum(len(names) for names in read) / (len(views) * len(goal.decoders))
     return Trial(trial.settings, trial.legibility, rate)

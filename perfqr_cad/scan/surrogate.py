@@ -26,8 +26,9 @@ AZIMUTHS_DEG = (20.0, 110.0, 200.0, 290.0)  # near the code's axes, where walls 
 # A local threshold lies about half-way between the tones around it; 5 modules are what the finders span.
 THRESHOLD_MODULES = 5
 RING_WIDTH = 7  # modules across a finder pattern
-# Bars across the dark ring are seen as gaps when their light passes this part of the front's (measured on
-# flat prints with a painted bar: 0.33 for bars of 0.3 to 0.6 module, 0.40 for 0.3, 0.60 for 0.15).
+TILED = 45  # modules of version 7, the first whose alignment patterns tile the symbol
+# A bar across the dark ring is seen as a gap when its light passes this part of the front's (measured on flat
+# prints with a painted bar: read at every tilt to 40° up to 0.35, at none from 0.45 on; bar of 0.6 module).
 GAP_LIGHT = 0.33
 
 
@@ -35,8 +36,9 @@ GAP_LIGHT = 0.33
 class Legibility:
     """margins (n, n): tone's distance from the local threshold on the right side, part of full contrast.
 
-    ring   the brightest light met on a walk around the dark ring of any finder, as a part of the front's:
-           above `GAP_LIGHT` a decoder that follows the ring finds it broken
+    ring   the brightest light met on a walk around the dark ring of the lower-left finder, as a part of the
+           front's: above `GAP_LIGHT` zxing-cpp finds it broken and takes the code for untilted. From version 7
+           on, where it goes by the alignment patterns, 0
     """
 
     tilt_deg: float
@@ -72,7 +74,7 @@ def legibility(
     faces = [_seen(scene, n, module_mm, tilt_deg, azimuth, look) for azimuth in AZIMUTHS_DEG]
     margins = np.min([_margins(tone, matrix.dark, look) for tone in faces], axis=0).astype(np.float32)
     margins.setflags(write=False)
-    return Legibility(tilt_deg, margins, max(_ring_light(tone, n) for tone in faces))
+    return Legibility(tilt_deg, margins, max(_ring_light(tone, n) for tone in faces) if n < TILED else 0.0)
 
 
 def _seen(
@@ -107,13 +109,8 @@ def _margins(light: NDArray[np.float32], dark: NDArray[np.bool_], look: Look) ->
 
 
 def _ring_light(light: NDArray[np.float32], n: int) -> float:
-    """The brightest cross-section met along the dark rings: a bar is bright over the whole ring's width."""
-    brightest = 0.0
-    for row, column in ((0, 0), (0, n - RING_WIDTH), (n - RING_WIDTH, 0)):
-        pixels = [slice(MODULE_PX * a, MODULE_PX * (a + RING_WIDTH)) for a in (row, column)]
-        ring = light[pixels[0], pixels[1]]
-        for side in range(4):
-            strip = np.rot90(ring, side)[:MODULE_PX]
-            # The darkest point across the ring at each place along it; a bar leaves none dark.
-            brightest = max(brightest, float(strip.min(axis=0)[MODULE_PX:-MODULE_PX].max()))
-    return brightest
+    """The brightest cross-section met along the dark ring: a bar is bright over the whole ring's width."""
+    ring = light[MODULE_PX * (n - RING_WIDTH) :, : MODULE_PX * RING_WIDTH]
+    strips = (np.rot90(ring, side)[:MODULE_PX] for side in range(4))
+    # The darkest point across the ring at each place along it; a bar leaves none dark.
+    return max(float(strip.min(axis=0)[MODULE_PX:-MODULE_PX].max()) for strip in strips)
