@@ -56,8 +56,9 @@ def run() -> Table:
         ),
         tuple(rows),
         (
-            f"versions {', '.join(map(str, VERSIONS))}; modules of 1.2 and 2.4 mm; plates of {THICKNESS_MM:g} mm"
-            f" with a lip of {LIP_MM:g} mm and a draft of {DRAFT_DEG:g}°; core panel: {', '.join(CORE)}",
+            f"versions {', '.join(map(str, VERSIONS))}; modules of 1.2 and 2.4 mm; plates of"
+            f" {THICKNESS_MM:g} mm with a lip of {LIP_MM:g} mm and a draft of {DRAFT_DEG:g}°",
+            f"core panel: {', '.join(CORE)}; {FRAMES} frames a view",
         ),
     )
 

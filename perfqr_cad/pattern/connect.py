@@ -65,7 +65,7 @@ def join(
     prices = [pairs[k].price for k in kruskal([Link(route.islands, route.price) for route in pairs])]
     stars = router.stars(pairs, float(np.quantile(prices, STAR_QUANTILE)))
     links = [Link(route.islands, route.price) for route in pairs + stars]
-    chosen, optimality = cheapest_without_loss(links[: len(pairs)], links[len(pairs) :], time_limit_s)
+    chosen, optimality = cheapest_without_loss(links[: len(pairs)], links[len(pairs) :])
     routes = [(pairs + stars)[k] for k in chosen]
     routes = [router.drawn(route) if len(route.islands) > 2 else route for route in routes]
     painted = _painted(draft, routes, brush)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import product
 from typing import Literal
 
 from perfqr_cad.pattern.spec import FinderStrategy
@@ -20,11 +19,13 @@ Side = Literal["top", "left", "right", "bottom"]
 # which leaves no notch; and no wider than the web: a wide bar costs zxing-cpp more than a narrow one.
 FLUSH = 1.0  # modules from the pattern's corner to the near edge of the bar
 CORE_FLUSH = 2.0  # the same for a bar from the core
-# zxing-cpp walks around one dark ring only, and only in small codes, to find the first corner of the code
-# (FitSquareToPoints on the bottom left finder). A flush bar elsewhere costs nothing up to 30° of tilt; the
-# pinched slot of a recessed bar costs it reads at 30 to 40°, so no ring gets one that needs none.
+# zxing-cpp walks along the inner edge of one dark ring only, and only in small codes, to find the corners of
+# the code (FitSquareToPoints on the bottom left finder). A flush bar elsewhere costs nothing up to 30° of
+# tilt, and a recessed bar costs reads at 30 to 40°, so no ring gets one that needs none. Its slot is narrowed
+# from the outside, over a module beyond the bar (0.8 to 1.3 do alike), and the inner edge left straight.
 TRACED_VERSIONS = 6
-PINCH_REACH = 0.5  # modules by which the pinch of a slot outreaches its recessed bar on each side
+RECESSED_MIDDLE = 1.5  # modules from the ring's corner to the middle of a recessed bar
+PINCH_REACH = 1.0  # modules by which the pinch of a slot outreaches its recessed bar
 PLACES: tuple[tuple[Side, bool], ...] = (  # side, and whether by its far end; the top and left before others
     ("top", False),
     ("left", False),
@@ -86,10 +87,10 @@ def ring_bars(ring: Ring, strategy: FinderStrategy, width: float, solid: Solid) 
 
 
 def core_bar(ring: Ring, strategy: FinderStrategy, width: float) -> RingBar:
-    """For dark material: a bar from the top of the pattern's core, beside its middle, to the dark ring."""
+    """For dark material: a bar from the pattern's core, beside its middle, to the dark ring."""
     light = ring.inset(1)
     if strategy == "recessed":
-        return _slot(light, "top", 1.0, min(1.0 + width + 2 * PINCH_REACH, light.size - 1.0))
+        return _slot(light, "left", False, width)
     return _bar(light, "top", CORE_FLUSH - 1 + width / 2)
 
 
@@ -102,10 +103,15 @@ def _bar(ring: Ring, side: Side, along: float, pinch: tuple[float, float] | None
     return RingBar((left + outer, top + along), (left + inner, top + along), pinch)
 
 
-def _slot(ring: Ring, side: Side, low: float, high: float) -> RingBar:
-    """A recessed bar in the middle of a pinch from `low` to `high` along one side."""
-    origin = ring.column if side in ("top", "bottom") else ring.row
-    return _bar(ring, side, (low + high) / 2, (origin + low, origin + high))
+def _slot(ring: Ring, side: Side, far: bool, width: float) -> RingBar:
+    """A recessed bar near an end of one side, in a pinch from that end to a module beyond the bar."""
+    origin, high = (
+        ring.column if side in ("top", "bottom") else ring.row,
+        RECESSED_MIDDLE + width / 2 + PINCH_REACH,
+    )
+    if far:
+        return _bar(ring, side, ring.size - RECESSED_MIDDLE, (origin + ring.size - high, origin + ring.size))
+    return _bar(ring, side, RECESSED_MIDDLE, (origin, origin + high))
 
 
 def _outside(ring: Ring, side: Side, k: int) -> tuple[int, int]:
@@ -125,12 +131,11 @@ def _side_bar(ring: Ring, width: float, solid: Solid) -> list[RingBar]:
 
 
 def _recessed_bar(ring: Ring, width: float, solid: Solid) -> list[RingBar]:
-    """One bar near a corner in a pinch as long as it should be or, where that finds no material, a module."""
-    for reach, (side, far) in product((2, 1), PLACES):
-        modules = [ring.size - 2 - k if far else 1 + k for k in range(reach)]
+    """One bar near a corner, where three modules of material lie along the pinch."""
+    for side, far in sorted(PLACES, key=lambda place: place[0] != "left"):
+        modules = [ring.size - 1 - k if far else k for k in range(3)]
         if all(solid(*_outside(ring, side, k)) for k in modules):
-            low, high = FLUSH, FLUSH + (1.0 if reach == 1 else width + 2 * PINCH_REACH)
-            return [_slot(ring, side, *((ring.size - high, ring.size - low) if far else (low, high)))]
+            return [_slot(ring, side, far, width)]
     return []
 
 

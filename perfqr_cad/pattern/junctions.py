@@ -9,6 +9,7 @@ Junctions that share no edge of the tree on their ways do not touch each other: 
 
 from __future__ import annotations
 
+import math
 import time
 from collections import defaultdict
 from collections.abc import Sequence
@@ -18,6 +19,8 @@ from typing import NamedTuple
 
 from perfqr_cad.pattern.pattern import Optimality
 from perfqr_cad.pattern.spanning import PRICE_TOL, Forest, Link, kruskal, proved
+
+LARGEST_BLOCK = 24  # junctions that branch and bound sorts out in a moment; of more, so many at a time
 
 
 class Edge(NamedTuple):
@@ -57,56 +60,75 @@ class Choice(NamedTuple):
     taken: tuple[int, ...]
 
 
-def cheapest_without_loss(
-    pairs: Sequence[Link], stars: Sequence[Link], time_limit_s: float
-) -> tuple[list[int], Optimality]:
+def cheapest_without_loss(pairs: Sequence[Link], stars: Sequence[Link]) -> tuple[list[int], Optimality]:
     """Indices into pairs + stars of the cheapest choice, and the proof."""
     began = time.perf_counter()
     links = [*pairs, *stars]
     tree = {k: Edge(pairs[k].islands[0], pairs[k].islands[1], pairs[k].price) for k in kruskal(pairs)}
     junctions = [Junction(k, star.islands, star.price) for k, star in enumerate(stars, start=len(pairs))]
     whole = sum(edge.price for edge in tree.values())
-    choice = _best(tree, junctions, began + time_limit_s)
+    choice = _best(tree, junctions)
     usable = [*range(len(pairs)), *choice.taken]
     chosen = kruskal([links[k] for k in usable], taken=range(len(pairs), len(usable)))
     result = sorted(usable[k] for k in chosen)
     return result, proved(sum(links[k].price for k in result), whole - choice.most, began)
 
 
-def _best(tree: Edges, junctions: Sequence[Junction], deadline: float) -> Choice:
+def _best(tree: Edges, junctions: Sequence[Junction]) -> Choice:
     """The junctions that gain most on a forest."""
     gain = most = 0.0
     taken: list[int] = []
     for block in _blocks(_offers(tree, junctions)):
-        choice = _best_of_block(tree, block, deadline)
+        solve = _best_of_block if len(block) <= LARGEST_BLOCK else _good_of_large_block
+        choice = solve({k: tree[k] for k in frozenset[int]().union(*(o.ways for o in block))}, block)
         gain, most = gain + choice.gain, most + choice.most
         taken += choice.taken
     return Choice(gain, most, tuple(taken))
 
 
-def _best_of_block(tree: Edges, block: Sequence[Offer], deadline: float) -> Choice:
+def _best_of_block(tree: Edges, block: Sequence[Offer]) -> Choice:
     """Branches on the junction that touches most others: taken first, then not, if that can gain more."""
     if len(block) == 1:
         return Choice(block[0].gain, block[0].gain, (block[0].junction.number,))
     pivot = max(block, key=lambda o: (sum(not o.ways.isdisjoint(p.ways) for p in block), o.gain))
     others = [offer.junction for offer in block if offer is not pivot]
-    edges = {k: tree[k] for k in frozenset[int]().union(*(offer.ways for offer in block))}
-    merged = dict.fromkeys(pivot.junction.islands, pivot.junction.islands[0])
-    contracted = {
-        k: Edge(merged.get(a, a), merged.get(b, b), price)
-        for k, (a, b, price) in edges.items()
-        if k not in pivot.replaced
-    }
-    renamed = [Junction(k, tuple(merged.get(i, i) for i in islands), p) for k, islands, p in others]
-    rest = _best(contracted, renamed, deadline)
+    rest = _best(*_contracted(tree, others, pivot))
     found = Choice(pivot.gain + rest.gain, pivot.gain + rest.most, (pivot.junction.number, *rest.taken))
-    without = sum(offer.gain for offer in block if offer is not pivot)
-    if without <= found.gain + PRICE_TOL:
+    if sum(offer.gain for offer in block if offer is not pivot) <= found.gain + PRICE_TOL:
         return found
-    if time.perf_counter() > deadline:
-        return found._replace(most=max(found.most, without))
-    other = _best(edges, others, deadline)
+    other = _best(tree, others)
     return max(found, other, key=lambda choice: choice.gain)._replace(most=max(found.most, other.most))
+
+
+def _good_of_large_block(tree: Edges, block: Sequence[Offer]) -> Choice:
+    """Group by group of neighbours: each is solved after the ones before, and alone for the bound.
+
+    What a choice gains is at most the sum of what its parts in each group would gain alone.
+    """
+    ordered = [o.junction for o in sorted(block, key=lambda o: (min(o.ways), o.junction.number))]
+    starts = range(0, len(ordered), LARGEST_BLOCK)
+    most = sum(_best(tree, ordered[k : k + LARGEST_BLOCK]).most for k in starts)
+    gain = 0.0
+    taken: list[int] = []
+    for k in starts:
+        choice = _best(tree, ordered[k : k + LARGEST_BLOCK])
+        gain += choice.gain
+        taken += choice.taken
+        for at in [at for at, junction in enumerate(ordered) if junction.number in choice.taken]:
+            (offer,) = _offers(tree, [ordered[at]], least=-math.inf)
+            tree, ordered = _contracted(tree, ordered, offer)
+    return Choice(gain, most, tuple(taken))
+
+
+def _contracted(tree: Edges, junctions: Sequence[Junction], taken: Offer) -> tuple[Edges, list[Junction]]:
+    """The tree without the edges that a junction replaces and with its islands made one; others renamed."""
+    merged = dict.fromkeys(taken.junction.islands, taken.junction.islands[0])
+    edges = {
+        k: Edge(merged.get(a, a), merged.get(b, b), price)
+        for k, (a, b, price) in tree.items()
+        if k not in taken.replaced
+    }
+    return edges, [Junction(k, tuple(merged.get(i, i) for i in islands), p) for k, islands, p in junctions]
 
 
 def _blocks(offers: Sequence[Offer]) -> list[list[Offer]]:
@@ -122,8 +144,8 @@ def _blocks(offers: Sequence[Offer]) -> list[list[Offer]]:
     return list(blocks.values())
 
 
-def _offers(tree: Edges, junctions: Sequence[Junction]) -> list[Offer]:
-    """What each junction offers, of those that gain anything."""
+def _offers(tree: Edges, junctions: Sequence[Junction], least: float = PRICE_TOL) -> list[Offer]:
+    """What each junction offers, of those that gain more than the least."""
     up, depth = _rooted(tree)
     offers: list[Offer] = []
     for junction in junctions:
@@ -143,7 +165,7 @@ def _offers(tree: Edges, junctions: Sequence[Junction]) -> list[Offer]:
                 replaced.append(k)
             joined.join(tree[k][:2])
         gain = sum(tree[k].price for k in replaced) - junction.price
-        if gain > PRICE_TOL:
+        if gain > least:
             offers.append(Offer(junction, frozenset(ways), frozenset(replaced), gain))
     return offers
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 # A route along a module edge takes half a web from each side: that may be a third of a module at most.
 WEBS_PER_MODULE = 1.5
 DOT_STEP = 1.01  # dots are tried in steps of a hundredth
+SIZE_ROUNDING_MM = 1e-6  # what a size may fall short by for the sake of binary fractions
 SIZE_STEP_MM = 0.1  # a size that is picked is rounded up to a tenth of a millimetre
 
 
@@ -26,7 +27,7 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
     least_module, reason = _least_module(spec, is_drawn(spec.style) and art is None)
     least_size = rounded_up(least_module * modules)
     if spec.size_mm is not None:
-        if spec.size_mm < least_size:
+        if spec.size_mm < least_size - SIZE_ROUNDING_MM:
             raise DesignError(
                 f"size {spec.size_mm:g} mm makes modules of {spec.size_mm / modules:.3g} mm, least is"
                 f" {least_module:.3g} mm ({reason}): use --size {least_size:g} or more, or a finer nozzle"

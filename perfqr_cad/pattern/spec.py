@@ -48,7 +48,7 @@ class PatternSpec:
     style: Style = "square"
     fillet_mm: float | None = None
     finder: FinderStrategy = "panel"
-    bar_height_mm: float = 0.6
+    bar_height_mm: float = 0.4
     objective: Objective = "optimal"
     loss_weight: float = 1.0
     tone: Tone = "normal"

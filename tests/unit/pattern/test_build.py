@@ -34,6 +34,11 @@ def test_a_size_too_small_names_the_least_that_works():
         build(symbol, PatternSpec(size_mm=least - 0.2))
 
 
+def test_the_least_module_times_the_modules_is_enough():
+    symbol = encode(TEXT, version=7, level="M")  # 1.2 · 53 falls short of 63.6 by one binary digit
+    assert build(symbol, PatternSpec(size_mm=1.2 * (symbol.size + 8))).module_mm == pytest.approx(1.2)
+
+
 def test_one_more_bridge_adds_its_area_and_keeps_the_old_pattern():
     pattern = build(encode(TEXT, version=2, level="L"), PatternSpec(fillet_mm=0))
     m = pattern.module_mm
