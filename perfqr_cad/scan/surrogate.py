@@ -37,8 +37,8 @@ class Legibility:
     """margins (n, n): tone's distance from the local threshold on the right side, part of full contrast.
 
     ring   the brightest light met on a walk around the dark ring of the lower-left finder, as a part of the
-           front's: above `GAP_LIGHT` zxing-cpp finds it broken and takes the code for untilted. From version 7
-           on, where it goes by the alignment patterns, 0
+           front's: above `GAP_LIGHT` zxing-cpp finds it broken and takes the code for untilted; 0 from
+           version 7 on, where it goes by the alignment patterns
     """
 
     tilt_deg: float
