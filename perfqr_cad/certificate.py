@@ -50,7 +50,7 @@ def summary(design: Design) -> str:
         f"{'valid' if solid.valid else 'NOT VALID'}",
         f"scan      read by {readers}",
     ]
-    lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings)]
+    lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings, *design.scan.warnings)]
     lines += [f"wrote     {record.path} ({record.bytes:,} bytes)" for record in design.files]
     return "\n".join(lines)
 

@@ -98,6 +98,8 @@ def make(
     objective: Annotated[str | None, _option(help="optimal, or the paper's: paper.")] = None,
     quiet: Annotated[int | None, _option(help="Light margin around the code, modules.")] = None,
     tone: Annotated[str | None, _option(help="normal (light is material) or inverted.")] = None,
+    colour: Annotated[str | None, _option(help="Colour of the part: a name or #rrggbb.")] = None,
+    ground: Annotated[str | None, _option(help="Colour behind it: a name or #rrggbb.")] = None,
     scan_tilt: Annotated[float | None, _option(help="Tilt at which it must read, degrees.")] = None,
     seed: Annotated[int | None, _option(help="Seed of everything random.")] = None,
     as_json: _Json = False,
@@ -114,6 +116,7 @@ def make(
         "frame": frame, "corner_radius": corner_radius, "hole": "; ".join(hole) if hole else None,
         "caption": caption, "backing": backing, "gap": gap,
         "style": style, "finder": finder, "objective": objective, "quiet": quiet, "tone": tone,
+        "colour": colour, "ground": ground,
         "scan_tilt": scan_tilt, "seed": seed,
     }  # fmt: skip
     if text is not None and image is not None:

@@ -166,8 +166,9 @@ def run(request: Request, target: Target | None = None) -> Design:
     from perfqr_cad import scan, structure
 
     watch = _Stopwatch()
-    terms.walls(request)  # bad walls, captions and materials are refused before the long steps
+    terms.walls(request)  # bad walls, captions, colours and materials are refused before the long steps
     terms.caption(request)
+    terms.look(request)
     material = structure.material(request.material)
     with watch("symbol"):
         capture, symbol = _source(request)
@@ -204,6 +205,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             )
     with watch("solid"):
         solid = target.solid(reinforced.pattern, placement, terms.walls(request))
+        solid = replace(solid, colour=terms.part_colour(request))
     with watch("scan"):
         report = scan.certify(
             solid.triangles,

@@ -20,6 +20,8 @@ class Request:
                      part lies flat. They act together
     yield_mpa        None: the material's own
     fillet_mm        radius of re-entrant corners; None: half the nozzle
+    colour, ground   of the part and of what lies behind it: a name or #rrggbb; None: white before black, or
+                     black before white for the inverted tone
     frame_mm         width of a frame around the quiet zone; corner_radius_mm rounds its outer corners
     holes_mm         mounting holes in it: (x, y, diameter) each, from the centre of the code
     corner_hole_mm   diameter of four mounting holes in its corners; None: none
@@ -46,6 +48,8 @@ class Request:
     style: str = "square"
     fillet_mm: float | None = None
     tone: str = "normal"
+    colour: str | None = None
+    ground: str | None = None
     frame_mm: float = 0.0
     corner_radius_mm: float = 0.0
     holes_mm: tuple[tuple[float, float, float], ...] = ()

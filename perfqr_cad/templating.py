@@ -7,13 +7,15 @@ from typing import Any
 
 from perfqr_cad.request import read_holes
 
-# Parameters and the settings they are. Of a number, 0 leaves the choice to the program.
+# Parameters and the settings they are. 0 or nothing leaves the choice to the program for some.
 SETTINGS = {
     "level": "level",
     "version": "version",
     "size": "size_mm",
     "quiet": "quiet_modules",
     "tone": "tone",
+    "colour": "colour",
+    "ground": "ground",
     "style": "style",
     "finder": "finder",
     "objective": "objective",
@@ -39,7 +41,17 @@ SETTINGS = {
     "scan_tilt": "scan_tilt_deg",
     "seed": "seed",
 }
-CHOSEN_IF_ZERO = ("version", "size", "depth", "caption_height", "backing", "yield_", "scan_tilt")
+CHOSEN_IF_EMPTY = (
+    "version",
+    "colour",
+    "ground",
+    "size",
+    "depth",
+    "caption_height",
+    "backing",
+    "yield_",
+    "scan_tilt",
+)
 
 
 def settings(p: SimpleNamespace) -> dict[str, Any]:
@@ -57,6 +69,6 @@ def settings(p: SimpleNamespace) -> dict[str, Any]:
         made |= read_holes(p.hole)
     for name, setting in SETTINGS.items():
         if name in given:
-            left_open = name in CHOSEN_IF_ZERO and not given[name]
+            left_open = name in CHOSEN_IF_EMPTY and not given[name]
             made[setting] = None if left_open else given[name]
     return made

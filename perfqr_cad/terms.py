@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.request import Request
+from perfqr_cad.units import linear_from_srgb, srgb_from_linear
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import PatternSpec
     from perfqr_cad.scan import Look, Plan
+    from perfqr_cad.scan.look import RGB
     from perfqr_cad.solid import Backing, Caption, Walls
+    from perfqr_cad.solid.shape import Colour
     from perfqr_cad.structure.loads import Load
 
 CAPTION_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
@@ -67,7 +72,8 @@ def backing(request: Request) -> Backing | None:
 
     if request.backing_mm is None:
         return None
-    colour = LIGHT if request.tone == "inverted" else DARK
+    plain = LIGHT if request.tone == "inverted" else DARK
+    colour = plain if request.ground is None else _srgb(_colours(request)[1])
     return Backing(request.backing_mm, request.backing_gap_mm, colour)
 
 
@@ -90,8 +96,44 @@ def plan(request: Request) -> Plan:
 
 
 def look(request: Request) -> Look:
-    """Light material before a dark ground; for the inverted tone, dark material before a light one."""
-    from perfqr_cad.scan import BLACK, WHITE, Look
+    """Colours of the part and of the ground behind it, which a backing brings near."""
+    from perfqr_cad.scan import Look
 
     gap = Look.gap_mm if request.backing_mm is None else request.backing_gap_mm
-    return Look(material=BLACK, ground=WHITE, gap_mm=gap) if request.tone == "inverted" else Look(gap_mm=gap)
+    material, ground = _colours(request)
+    return Look(material=material, ground=ground, gap_mm=gap)
+
+
+def part_colour(request: Request) -> Colour:
+    """sRGB of the part as files show it."""
+    from perfqr_cad.solid.shape import DARK, LIGHT
+
+    if request.colour is None:
+        return DARK if request.tone == "inverted" else LIGHT
+    return _srgb(_colours(request)[0])
+
+
+def _colours(request: Request) -> tuple[RGB, RGB]:
+    """Linear reflectances of part and ground."""
+    from perfqr_cad.scan.colours import BACKGROUNDS, FILAMENTS
+
+    part, ground = ("black", "white") if request.tone == "inverted" else ("white", "black")
+    return (
+        _reflectance("colour", request.colour or part, FILAMENTS),
+        _reflectance("ground", request.ground or ground, {"white": FILAMENTS["white"], **BACKGROUNDS}),
+    )
+
+
+def _reflectance(setting: str, colour: str, named: Mapping[str, RGB]) -> RGB:
+    """A named colour's reflectances, or those of #rrggbb."""
+    if colour in named:
+        return named[colour]
+    if not re.fullmatch("#[0-9a-fA-F]{6}", colour):
+        raise DesignError(f"{setting} {colour!r} is unknown: use #rrggbb or one of {', '.join(named)}")
+    red, green, blue = (linear_from_srgb(byte / 255) for byte in bytes.fromhex(colour[1:]))
+    return red, green, blue
+
+
+def _srgb(reflectance: RGB) -> Colour:
+    red, green, blue = (srgb_from_linear(light) for light in reflectance)
+    return red, green, blue

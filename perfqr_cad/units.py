@@ -18,3 +18,13 @@ def mm_from_inch(length_inch: float) -> float:
 def grams(volume_mm3: float, density_kg_m3: float) -> float:
     """Mass in g of a volume in mm³ at a density in kg/m³."""
     return volume_mm3 / MM3_PER_CM3 * density_kg_m3 / 1000.0
+
+
+def linear_from_srgb(value: float) -> float:
+    """Linear light of an sRGB component, both 0 to 1 (IEC 61966-2-1)."""
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+
+
+def srgb_from_linear(light: float) -> float:
+    """The sRGB component of linear light, both 0 to 1 (IEC 61966-2-1)."""
+    return 12.92 * light if light <= 0.0031308 else 1.055 * light ** (1 / 2.4) - 0.055

@@ -77,6 +77,10 @@ yield_ = 0
 verify_solid = False
 
 # [Proof]
+# colour of the part: white, natural, yellow, orange, silver, red, green, blue, grey, black or #rrggbb
+colour = ""
+# colour behind it: white, black, red, green, blue, cyan, magenta, yellow or #rrggbb
+ground = ""
 # tilt at which the part must still read, degrees; 0 asks for nothing
 scan_tilt = 0  # [0:5:60]
 # seed of everything random

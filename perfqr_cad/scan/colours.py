@@ -32,6 +32,8 @@ FILAMENTS: dict[str, RGB] = {
     "black": BLACK,
 }
 LEAST_CONTRAST = 0.25  # below it, decoders begin to miss: a warning when the part is designed
+# Engines that read none of eight codes with light and dark exchanged; zxing-cpp and WeChat read them.
+REFUSE_REVERSED = "zbar, OpenCV, quirc, rxing and jsQR"
 # ITU-R BT.709: luminance of linear red, green and blue.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
@@ -42,15 +44,21 @@ def contrast(material: RGB, ground: RGB) -> float:
     return (light - dark) / (light + dark)
 
 
-def contrast_warning(value: float) -> tuple[str, ...]:
-    """One sentence when the contrast is too small or the wrong way round."""
+def contrast_warning(value: float, *, inverted: bool = False) -> tuple[str, ...]:
+    """One sentence when the contrast is too small or the wrong way round.
+
+    value     contrast of what is to be light with what is to be dark
+    inverted  whether the holes are what is to be light
+    """
     if value >= LEAST_CONTRAST:
         return ()
     if value <= -LEAST_CONTRAST:
+        lighter, tone = ("material", "normal") if inverted else ("ground", "inverted")
         return (
-            f"the ground is lighter than the material ({value:.0%}): most decoders refuse a code with "
-            "light and dark exchanged, so use the inverted tone",
+            f"the {lighter} is the lighter one ({value:.0%}): {REFUSE_REVERSED} refuse a code with light and "
+            f"dark exchanged, so use the {tone} tone",
         )
+    ground = "lighter" if inverted else "darker"
     return (
-        f"contrast of material and ground is {value:.0%}, under {LEAST_CONTRAST:.0%}: choose a darker ground",
+        f"contrast of material and ground is {value:.0%}, under {LEAST_CONTRAST:.0%}: choose a {ground} ground",
     )

@@ -130,7 +130,9 @@ def certify(
         for name in panel.names
     }  # fmt: skip
     worst, first = _telling(scene, views, look, read, panel.names, seed)
-    warning = contrast_warning(contrast(look.material, look.ground))
+    inverted = pattern is not None and pattern.spec.tone == "inverted"
+    light, dark = (look.ground, look.material) if inverted else (look.material, look.ground)
+    warning = contrast_warning(contrast(light, dark), inverted=inverted)
     report = ScanReport(_text(payload), results, colours, worst, first, (), warning)
     return replace(report, advice=advice.sentences(report))
 

@@ -53,3 +53,17 @@ def test_the_backing_has_the_tone_of_the_holes() -> None:
     assert max(dark.colour) < 0.1 < 0.9 <= min(light.colour)
     assert (light.thickness_mm, light.gap_mm) == (1, 2)
     assert terms.look(Request("HELLO", backing_mm=1, backing_gap_mm=2)).gap_mm == 2
+
+
+def test_colours_by_name_and_by_number() -> None:
+    plain, asked = Request("HELLO"), Request("HELLO", colour="#ffffff", ground="red")
+    assert min(terms.part_colour(plain)) > 0.9
+    assert max(terms.part_colour(Request("HELLO", tone="inverted"))) < 0.1
+    assert terms.look(asked).material == pytest.approx((1, 1, 1))
+    assert terms.look(asked).ground[0] > 0.5 > terms.look(asked).ground[1]
+    assert terms.part_colour(asked) == pytest.approx((1, 1, 1))
+
+
+def test_a_colour_that_is_none() -> None:
+    with pytest.raises(DesignError, match="colour 'pinkish' is unknown"):
+        terms.look(Request("HELLO", colour="pinkish"))

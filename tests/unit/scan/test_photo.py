@@ -64,7 +64,10 @@ def test_contrast_warns_below_the_limit_and_when_reversed():
     assert contrast((0.85,) * 3, BACKGROUNDS["black"]) == pytest.approx((0.85 - 0.04) / (0.85 + 0.04))
     assert contrast_warning(0.5) == ()
     assert "darker ground" in contrast_warning(0.1)[0]
-    assert "inverted" in contrast_warning(-0.6)[0]
+    assert "zbar" in contrast_warning(-0.6)[0]
+    assert "use the inverted tone" in contrast_warning(-0.6)[0]
+    assert "use the normal tone" in contrast_warning(-0.6, inverted=True)[0]
+    assert "lighter ground" in contrast_warning(0.1, inverted=True)[0]
 
 
 def test_camera_frames_the_target():
