@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .reinforcement import Reinforcement
     from .reinforcing import reinforce
     from .solid_check import SolidCheck, verify_solid
+    from .vtu import write_vtu
 
 __all__ = [
     "MATERIALS",
@@ -31,9 +32,11 @@ __all__ = [
     "material",
     "reinforce",
     "verify_solid",
+    "write_vtu",
 ]
 
 _HOME = {
+    "write_vtu": "vtu",
     "analyse": "analysis",
     "analyse_region": "analysis",
     "reinforce": "reinforcing",

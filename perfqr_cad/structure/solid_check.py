@@ -7,12 +7,15 @@ may not. On modules as wide as the wall is thick that is the assumption to doubt
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.analysis import DEFAULT_NOZZLE_MM, bends_only, lattice_of, prepare
-from perfqr_cad.structure.assembly import System
+from perfqr_cad.structure.assembly import Flags, System
+from perfqr_cad.structure.domain import thin_parts
 from perfqr_cad.structure.loads import Load, Loads, Support
 from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.materials import material as material_named
@@ -34,7 +37,7 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
 
 DOFS = 3
-LAYERS = 3  # back, middle, front
+LAYERS = 3  # of nodes in a slab: back, middle, front
 MESH_SIZE_MODULES = 1.0  # shell and solid are compared on one mesh, which need not be fine
 _THROUGH_POINTS, _THROUGH_WEIGHTS = np.polynomial.legendre.leggauss(2)
 _CHUNK = 4_000  # elements at a time
@@ -87,6 +90,7 @@ def verify_solid(
         support,
         nozzle_mm=nozzle_mm,
         mesh_size_mm=size,
+        thin=thin_parts(pattern, placement.thickness_mm),
         lattice=lattice_of(pattern),
         bends=bends_only(load),
     )
@@ -99,33 +103,78 @@ def check(model: Model, load: Load | Loads, nozzle_mm: float, solver: str | None
     forces = forces_of(model, load, shell_factor)
     shell_answer = shell_factor.solve(np.where(model.fixed, 0.0, forces))
 
-    t, nodes = model.wall_mm, len(model.mesh.nodes)
+    slabs = _slabs(model)
+    nodes, layers = len(model.mesh.nodes), 2 * len(slabs) + 1
     normals = model.frames[:, 2]
-    elements = layered(model.mesh.elements, nodes)
-    matrices = stiffness(model.positions, normals, model.mesh.elements, t, model.material)
-    held = model.fixed.reshape(nodes, -1)[:, 0]
-    fixed = np.tile(np.repeat(held, DOFS), LAYERS)
-    if model.support.hold.pinned:  # held on the middle layer only, so that the edge may turn
-        fixed = np.repeat(np.r_[np.zeros(nodes, bool), held, np.zeros(nodes, bool)], DOFS)
-    system = System(elements, DOFS, matrices, fixed)
-    right = np.zeros((LAYERS, nodes, DOFS))
-    right[1] = model.translations(forces)
+    free = ~model.fixed.reshape(nodes, -1)[:, 0]
+    fixed = np.ones((layers, nodes), bool)  # and so it stays where there is no material
+    elements, matrices = [], []
+    for level, slab in enumerate(slabs):
+        triangles = model.mesh.elements[slab.elements]
+        elements.append(layered(triangles, nodes) + 2 * level * nodes)
+        matrices.append(stiffness(slab.middle(model), normals, triangles, slab.thickness_mm, model.material))
+        fixed[2 * level : 2 * level + LAYERS, np.unique(triangles)] = False
+    loaded = layers // 2  # the middle of the wall, or where its slabs meet
+    if model.support.hold.pinned:  # held there only, so that the edge may turn
+        fixed[loaded] |= ~free
+    else:
+        fixed |= ~free
+    unknowns = np.repeat(fixed.ravel(), DOFS)
+    system = System(np.concatenate(elements), DOFS, np.concatenate(matrices), unknowns)
+    right = np.zeros((layers, nodes, DOFS))
+    right[loaded] = model.translations(forces)
     factor = system.factorise(solver)
-    answer = factor.solve(np.where(fixed, 0.0, right.ravel()))
+    answer = factor.solve(np.where(unknowns, 0.0, right.ravel())).reshape(layers, nodes, DOFS)
 
     discs = Discs(model.mesh, nozzle_mm)
-    solid = stresses(model.positions, model.frames, model.mesh.elements, t, model.material, answer)
-    middle = answer.reshape(LAYERS, nodes, DOFS)[1]
+    solid = np.zeros((len(model.mesh.elements), 3, LAYERS * len(slabs), 5))
+    for level, slab in enumerate(slabs):
+        triangles, part = model.mesh.elements[slab.elements], answer[2 * level : 2 * level + LAYERS]
+        solid[slab.elements, :, LAYERS * level : LAYERS * (level + 1)] = stresses(
+            slab.middle(model), model.frames, triangles, slab.thickness_mm, model.material, part.ravel()
+        )
     return SolidCheck(
-        solid_deflection_mm=float(np.abs(np.einsum("nc,nc->n", middle, normals)).max()),
+        solid_deflection_mm=float(np.abs(np.einsum("nc,nc->n", answer[loaded], normals)).max()),
         shell_deflection_mm=float(
             np.abs(np.einsum("nc,nc->n", model.translations(shell_answer), normals)).max()
         ),
         solid_stress_mpa=float(discs.hottest(solid)[1][0]),
         shell_stress_mpa=float(discs.hottest(model.corner_stresses(shell_answer))[1][0]),
-        unknowns=int(np.count_nonzero(~fixed)),
+        unknowns=int(np.count_nonzero(~unknowns)),
         solver=factor.name,
     )
+
+
+@dataclass(frozen=True)
+class _Slab:
+    """A layer of the wall between two heights above its back, and the elements (m,) that have it."""
+
+    bottom_mm: float
+    top_mm: float
+    elements: Flags
+
+    @property
+    def thickness_mm(self) -> float:
+        return self.top_mm - self.bottom_mm
+
+    def middle(self, model: Model) -> Floats:
+        """The slab's own middle surface (n, 3)."""
+        above = 0.5 * (self.bottom_mm + self.top_mm - model.wall_mm)
+        return model.positions + above * model.frames[:, 2]
+
+
+def _slabs(model: Model) -> list[_Slab]:
+    """The wall as one slab, or as two where it has thin bars, which fill its back.
+
+    Raises:
+        AnalysisError: thin bars of several heights.
+    """
+    thickness = np.broadcast_to(model.section.thickness_mm, len(model.mesh.elements))
+    heights = np.unique(thickness)
+    if len(heights) > 2:
+        raise AnalysisError(f"the solid check knows bars of one height, not of {heights[:-1].tolist()} mm")
+    bounds = [0.0, *heights.tolist()]
+    return [_Slab(low, high, thickness >= high) for low, high in pairwise(bounds)]
 
 
 def layered(elements: Ints, nodes: int) -> Ints:

@@ -40,7 +40,7 @@ def part(placement: Placement) -> Model:
 
 def wedges(model: Model) -> tuple[Floats, Floats]:
     """Our solid: displacements (3, n, 3) and corner stresses of the front (m, 3, 5)."""
-    t, count = model.section.thickness_mm, len(model.mesh.nodes)
+    t, count = model.wall_mm, len(model.mesh.nodes)
     matrices = stiffness(model.positions, model.frames[:, 2], model.mesh.elements, t, model.material)
     held = np.tile(np.repeat(model.fixed.reshape(count, -1)[:, 0], 3), LAYERS)
     system = System(layered(model.mesh.elements, count), 3, matrices, held)

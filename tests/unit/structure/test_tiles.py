@@ -1,0 +1,112 @@
+"""Meshes of tiles and structures condensed tile by tile, against one mesh and one matrix."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from shapely.geometry import Point, Polygon, box
+
+from perfqr_cad.errors import AnalysisError
+from perfqr_cad.structure import MATERIALS, Finger, Pressure, Support, Weight, analyse_region, plate
+from perfqr_cad.structure.analysis import prepare
+from perfqr_cad.structure.assembly import System
+from perfqr_cad.structure.domain import ThinPart
+from perfqr_cad.structure.model import Model, forces_of
+from perfqr_cad.structure.quilt import patched
+from perfqr_cad.structure.seeding import Grain
+from perfqr_cad.structure.tiling import Lattice, cut
+from perfqr_cad.surface import Plane
+
+GRAIN = Grain(size_mm=1.4, corner_mm=0.4, layer_mm=0.3, tolerance_mm=0.02)
+HOLES = shapely.union_all([box(x, y, x + 2, y + 2) for x in range(-8, 8, 4) for y in range(-8, 8, 4)])
+GRATE = box(-11, -11, 11, 11).difference(HOLES)
+LATTICE = Lattice(2.0)
+
+
+def grate_model(size: float = 1.4) -> Model:
+    return prepare(
+        GRATE, Plane(2.0), MATERIALS["PLA"], Support(), nozzle_mm=0.4, mesh_size_mm=size, lattice=LATTICE
+    )
+
+
+def test_tiles_that_look_alike_are_one_kind() -> None:
+    tiling = cut([GRATE], LATTICE)
+    assert len(tiling.places) == 12 * 12
+    assert len(tiling.contents) < 30
+
+
+@pytest.mark.parametrize(
+    "region",
+    [
+        GRATE,
+        Point(0.3, 0.2).buffer(7.3).difference(Point(1, 1).buffer(2.9)),
+        # Edges along would-be cuts, a needle and a notch.
+        Polygon(
+            [(-5, -5), (5, -5), (5, 1), (0.4, 1), (5, 1.3), (5, 5), (-5, 5), (-5, 2), (-3, 2), (-5, 1.8)]
+        ),
+    ],
+)
+@pytest.mark.parametrize("pitch", [2.0, 3.7])
+def test_a_quilt_covers_its_region_and_has_no_open_seams(region: Polygon, pitch: float) -> None:
+    mesh = patched([region], Lattice(pitch), GRAIN).mesh
+    assert float(mesh.area_mm2.sum()) == pytest.approx(region.area, rel=2e-3)
+    ends = mesh.nodes[mesh.boundary[:, :2]]
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum()
+    assert length == pytest.approx(region.length, rel=5e-3)
+    assert np.asarray(region.boundary.distance(shapely.points(ends.reshape(-1, 2)))).max() < 0.03
+
+
+def test_condensed_answer_is_that_of_the_whole_matrix() -> None:
+    model = grate_model()
+    matrices = plate.stiffness(model.mesh, model.section)
+    whole = System(model.mesh.elements, model.system.dofs, matrices, model.fixed)
+    right = np.random.default_rng(1).normal(size=(len(model.fixed), 3)) * ~model.fixed[:, None]
+    right[: len(right) // 2, 1] = 0.0
+    condensed, direct = model.factorise(), whole.factorise()
+    exact = direct.solve(right)
+    assert condensed.solve(right) == pytest.approx(exact, abs=1e-9 * np.abs(exact).max())
+    assert condensed.work(right) == pytest.approx(direct.work(right))
+    held = model.system.held_forces(exact[:, 0])
+    assert held == pytest.approx(whole.held_forces(exact[:, 0]), abs=1e-9 * np.abs(held).max())
+
+
+def test_tiling_does_not_move_the_answer() -> None:
+    answers = [
+        analyse_region(GRATE, Plane(2.0), load=Pressure(1e-3), mesh_size_mm=0.7, lattice=Lattice(pitch))
+        for pitch in (2.0, 3.3)
+    ]
+    assert answers[0].max_deflection_mm == pytest.approx(answers[1].max_deflection_mm, rel=5e-3)
+    assert answers[0].max_stress_mpa == pytest.approx(answers[1].max_stress_mpa, rel=0.05)
+
+
+def test_thin_part_bends_as_thin_and_weighs_as_thin() -> None:
+    strip = box(0, 0, 20, 4)
+    thin = ThinPart(box(0, 0, 10, 4), 1.0)
+    settings = {"load": Weight(), "support": "two-sides", "mesh_size_mm": 1.0}
+    whole = analyse_region(strip, Plane(2.0), **settings)  # type: ignore[arg-type]
+    half = analyse_region(strip, Plane(2.0), thin=[thin], **settings)  # type: ignore[arg-type]
+    all_thin = analyse_region(strip, Plane(1.0), **settings)  # type: ignore[arg-type]
+    assert half.mass_g == pytest.approx(0.75 * whole.mass_g)
+    assert half.load_n == pytest.approx(np.multiply(0.75, whole.load_n))
+    assert half.max_stress_at_mm[0] < 10.0
+    assert whole.max_deflection_mm < half.max_deflection_mm
+    every = analyse_region(strip, Plane(2.0), thin=[replace(thin, polygon=strip)], **settings)  # type: ignore[arg-type]
+    assert every.max_deflection_mm == pytest.approx(all_thin.max_deflection_mm, rel=1e-6)
+
+
+def test_part_thicker_than_its_wall_is_refused() -> None:
+    with pytest.raises(AnalysisError, match=r"3.0 mm thick in a wall of 2.0 mm"):
+        analyse_region(
+            GRATE, Plane(2.0), thin=[ThinPart(box(0, 0, 1, 1), 3.0)], load=Weight(), mesh_size_mm=2.0
+        )
+
+
+def test_loads_act_together() -> None:
+    model = grate_model(2.0)
+    factor = model.factorise()
+    loads = (Pressure(1e-3), Weight(), Finger(2.0, 3.0, (1.0, 1.0)))
+    parts = sum(forces_of(model, load, factor) for load in loads)
+    assert forces_of(model, loads, factor) == pytest.approx(parts)
+    roaming = forces_of(model, (Pressure(1e-3), Finger(2.0, 3.0)), factor)
+    assert roaming.sum() == pytest.approx(forces_of(model, Pressure(1e-3), factor).sum() - 2.0)
