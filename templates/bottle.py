@@ -1,4 +1,4 @@
-"""A ring for a dark bottle (inverted: a light one), the code wrapped around it."""
+"""A ring for a dark bottle: a band of a cylinder with the code wrapped around it."""
 
 from build123d import Cylinder
 
@@ -19,8 +19,6 @@ version = 0  # [0:1:40]
 size = 40.0  # [1:0.1:2000]
 # light margin around the code, modules
 quiet = 4  # [1:1:20]
-# which modules are material
-tone = "normal"  # [normal:a light ring on a dark bottle, inverted:a dark ring on a light bottle]
 
 # [Ring]
 # outer diameter, mm

@@ -17,8 +17,6 @@ version = 0  # [0:1:40]
 size = 0.0  # [0:0.1:2000]
 # light margin around the code, modules
 quiet = 4  # [1:1:20]
-# which modules are material
-tone = "normal"  # [normal:light modules, inverted:dark modules]
 
 # [Solid]
 # the STEP file

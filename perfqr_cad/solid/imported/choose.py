@@ -28,6 +28,7 @@ Problem = Callable[[Survey], str | None]
 
 CANDIDATES = 160  # spots tried on one face, or round a spot that does not work
 FACES_TRIED = 40
+FACES_SIZED = 8  # of them asked for the largest code when none takes the one that is wanted
 TURNS_DEG = (0.0, 45.0, 30.0, 60.0, 15.0, 75.0)
 ON_FACE_MM = 1e-3  # a given point this near to the surface is on it
 SEED = 0
@@ -67,19 +68,23 @@ def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wish: Wish)
     areas = np.bincount(host.body.face_of, host.body.areas_mm2, minlength=len(host.faces))
     order = [int(i) for i in np.argsort(-areas, kind="stable")[:FACES_TRIED] if areas[i] > 0]
 
-    def first(size: float) -> tuple[int, Survey] | None:
-        tried = ((i, _on_face(host, i, size, problem, wish.up)) for i in order)
+    def first(size: float, among: list[int]) -> tuple[int, Survey] | None:
+        tried = ((i, _on_face(host, i, size, problem, wish.up)) for i in among)
         return next(((i, found) for i, found in tried if found is not None), None)
 
-    if (chosen := first(size_mm)) is not None:
+    if (chosen := first(size_mm, order)) is not None:
         return chosen[1]
-    reason = problem(survey(host.body, _centre(host, order[0], wish.up), size_mm)) or "no place takes it"
-    largest = largest_below(size_mm, lambda size: first(size) is not None)
+    middles = [survey(host.body, _centre(host, i, wish.up), size_mm) for i in order[:FACES_SIZED]]
+    nearly = [found for found in middles if found.front_problem() is None] or middles
+    reason = problem(nearly[0]) or "no place takes it"
+    few = order[:FACES_SIZED]
+    largest = largest_below(size_mm, lambda size: first(size, few) is not None)
     remedy = ""
-    if largest and (smaller := first(largest)) is not None:
+    if largest and (smaller := first(largest, few)) is not None:
         remedy = f"; at most {_floored(largest)} mm fits: face={smaller[0] + 1}"
     raise DesignError(
-        f"no face of {host.name!r} takes a code of {size_mm:.4g} mm; on the largest, {reason}{remedy}"
+        f"no face of {host.name!r} takes a code of {size_mm:.4g} mm; in the middle of the largest, "
+        f"{reason}{remedy}"
     )
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.outline import Loop, Region
 from perfqr_cad.solid.imported.body import Body
@@ -38,7 +39,12 @@ class Motif:
 
     @staticmethod
     def of(pattern: Pattern) -> Motif:
-        """The motif of a pattern."""
+        """The motif of a pattern. Raises `DesignError` for the inverted tone."""
+        if pattern.spec.tone == "inverted":
+            raise DesignError(
+                "tone inverted leaves dark material around the code where its light margin must be: "
+                "carve tone normal into a light wall, or make a plate"
+            )
         return Motif(pattern.front, pattern.recessed, pattern.region, pattern.spec.web_mm)
 
     @staticmethod

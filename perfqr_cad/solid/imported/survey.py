@@ -104,6 +104,11 @@ class Survey:
         """Median wall."""
         return float(np.nanmedian(self.wall_mm))
 
+    def sheet_mm(self, depth_mm: float | None) -> float:
+        """Thickness of the sheet that carries the code: the wall, or of a block with pockets `depth_mm` deep
+        as much as they disturb, twice their depth."""
+        return self.thickness_mm if depth_mm is None else min(self.thickness_mm, 2 * depth_mm)
+
     @property
     def thickness_range_mm(self) -> tuple[float, float]:
         """Least and greatest wall."""

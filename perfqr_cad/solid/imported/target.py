@@ -84,7 +84,11 @@ class ImportedFace:
         wish = Wish(self.face or None, self.point, self.direction, self.up)
         seen_mm = WRAP_SEEN * size_mm if self.wrap else size_mm
         found = place(self.host, wish, seen_mm, self._problem)
-        laid = self._wrapped(found, size_mm) if self.wrap else projected(self.host, found)
+        laid = (
+            self._wrapped(found, size_mm)
+            if self.wrap
+            else projected(self.host, found, found.sheet_mm(self.depth_mm))
+        )
         laid.check(size_mm)
         return laid
 
@@ -105,7 +109,7 @@ class ImportedFace:
 
         middle = found.front.shape[0] // 2
         skin = self.host.skins[int(found.front[middle, middle])]
-        laid = wrapped(skin, found.frame, MARGIN * size_mm, found.thickness_mm)
+        laid = wrapped(skin, found.frame, MARGIN * size_mm, found.sheet_mm(self.depth_mm))
         laid.check(size_mm)
         along = survey_wrapped(self.host.body, laid, size_mm)
         if (reason := self._problem(along)) is not None:
@@ -113,15 +117,15 @@ class ImportedFace:
                 f"a code of {size_mm:.4g} mm cannot be wrapped here: {reason}; project it, move it or "
                 f"take it smaller"
             )
-        return replace(laid, thickness_mm=along.thickness_mm)
+        return replace(laid, thickness_mm=along.sheet_mm(self.depth_mm))
 
     def _problem(self, found: Survey) -> str | None:
         limit = MAX_WALL_MODULES * found.size_mm / LEAST_MODULES
         return found.front_problem() or found.wall_problem(self.depth_mm, limit)
 
 
-def projected(host: Host, found: Survey) -> Projected:
-    """The projection of a code at a surveyed place, exact on the solid's faces."""
+def projected(host: Host, found: Survey, thickness_mm: float) -> Projected:
+    """The projection of a code at a surveyed place on a sheet of a thickness, exact on the solid's faces."""
     frame, span = found.frame, MARGIN * found.size_mm
     line = np.linspace(-span / 2, span / 2, GRID)
     x, y = (a.ravel() for a in np.meshgrid(line, line))
@@ -135,4 +139,4 @@ def projected(host: Host, found: Survey) -> Projected:
         on = faces == face
         exact = host.skins[face].meet(flat[on], frames[on], guesses[on], span)[1]
         heights[on] = frame.to_frame(exact)[:, 2]
-    return Projected(frame, span, heights.reshape(GRID, GRID), found.thickness_mm)
+    return Projected(frame, span, heights.reshape(GRID, GRID), thickness_mm)

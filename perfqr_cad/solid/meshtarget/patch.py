@@ -55,7 +55,7 @@ class Patch:
 
         name = f"panel fitted within {self.worst_mm:.3f} mm"
         host = Host(name, kernel.sound(self._panel(), name))
-        laid = projected(host, survey(host.body, self.frame, self.size_mm))
+        laid = projected(host, survey(host.body, self.frame, self.size_mm), self.thickness_mm)
         return carve(host, Motif.of(pattern), laid, walls)
 
     def _panel(self) -> TopoDS_Solid:

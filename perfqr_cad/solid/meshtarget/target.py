@@ -27,6 +27,7 @@ Triple = tuple[float, float, float]
 
 # A mesh is often thicker than a CAD wall and stays readable from the front: the paper's Bunny is.
 MAX_WALL_MODULES = 5.0
+SMOOTHED = 2.0  # samples: half a module of the smallest code
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ class MeshTarget:
     def placement(self, size_mm: float) -> Placement:
         """Where a code of that edge lies. Raises `DesignError` with the reason and what works instead."""
         found = place(self.body, Wish(self.point, self.direction, self.up), size_mm, self._problem)
-        laid = _projected(self.body, found)
+        laid = _projected(self.body, found, found.sheet_mm(self.depth_mm))
         laid.check(size_mm)
         return laid
 
@@ -134,18 +135,21 @@ class MeshTarget:
         return reason
 
 
-def _projected(body: Body, found: Survey) -> Projected:
-    """The projection of a code at a surveyed place; the rim's heights are kept on beyond the code."""
+def _projected(body: Body, found: Survey, thickness_mm: float) -> Projected:
+    """The projection of a code at a surveyed place on a sheet of a thickness: the mesh with the kinks between
+    its facets smoothed; the rim's heights are kept on beyond the code.
+    """
     near = survey(body, found.frame, found.size_mm, GRID)
     span = MARGIN * found.size_mm
     line, wider = (np.linspace(-s / 2, s / 2, GRID) for s in (found.size_mm, span))
     from scipy.interpolate import RegularGridInterpolator
+    from scipy.ndimage import gaussian_filter
 
     heights = RegularGridInterpolator(
         (line, line),
-        near.height_mm,
+        gaussian_filter(near.height_mm, SMOOTHED, mode="nearest"),
         bounds_error=False,
         fill_value=None,  # pyright: ignore[reportArgumentType] - None extrapolates; the stub knows numbers only
     )
     grid = np.stack(np.meshgrid(wider, wider, indexing="ij"), axis=-1)
-    return Projected(found.frame, span, heights(grid), found.thickness_mm)
+    return Projected(found.frame, span, heights(grid), thickness_mm)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from build123d import Box, Cylinder, Sphere
 
+from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.solid import Walls
 from perfqr_cad.solid.imported import ImportedFace, kernel, mesh_shape
@@ -79,3 +80,11 @@ def test_bars_are_flush_where_there_is_no_room(walls, thickness_mm, reason):
     solid = target.solid(pattern("recessed"), target.placement(SIZE_MM), walls)
     assert reason in solid.notes[0]
     assert solid.valid
+
+
+def test_dark_material_leaves_no_light_margin_in_a_wall():
+    target = ImportedFace.of(Box(50, 2, 50), point=(0, -1, 0))
+    spec = PatternSpec(size_mm=SIZE_MM, quiet_modules=2, nozzle_mm=0.3, tone="inverted")
+    inverted = build(encode("BAR", version=1), spec)
+    with pytest.raises(DesignError, match="tone inverted"):
+        target.solid(inverted, target.placement(SIZE_MM), Walls())
