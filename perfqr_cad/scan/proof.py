@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 # straight above moves the phone until it reads. Picture sizes of the frontal frames, of the plan's own.
 NEARER = (1.0, 1.25, 0.8, 1.25, 1.5)
 FRONTAL_FRAMES = len(NEARER)
+SCANS = 2  # of every background
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ def certify(
     flat_read = None
     if on_paper is not None:
         flat_read = film(on_paper, views, frames=patience, step="film the flat print")
-    colours = _backgrounds(scene, look, right, panel, plan, seed)
+    colours = _backgrounds(scene, look, right, panel, plan, read[0], seed)
     results = {
         name: DecoderResult(
             name, plan.tilts_deg, _rates(name, plan, views, read),
@@ -229,15 +230,26 @@ def _matrix_seen(picture: NDArray[np.uint8]) -> Matrix | None:
 
 
 def _backgrounds(
-    scene: Scene, look: Look, right: frozenset[bytes], panel: Panel, plan: Plan, seed: int
+    scene: Scene,
+    look: Look,
+    right: frozenset[bytes],
+    panel: Panel,
+    plan: Plan,
+    readers: frozenset[str],
+    seed: int,
 ) -> dict[str, float]:
-    """Share of frontal views read on each ground, over decoders and frames of an unsteady hand."""
-    still = [View(size_px=plan.size_px)] * max(plan.frames, 1)
+    """Share of scans read on each ground, over the decoders that read the part frontally at all.
+
+    A scan is a frontal view by an unsteady hand, given as many frames as any other view of the plan.
+    """
+    still = [View(size_px=plan.size_px)] * SCANS
     views = [jittered(view, np.random.default_rng([seed, k])) for k, view in enumerate(still)]
     rates: dict[str, float] = {}
-    for name in plan.backgrounds:
-        read = reads(scene, views, replace(look, ground=BACKGROUNDS[name]), right, panel, seed=seed)
-        rates[name] = sum(len(names) for names in read) / (len(views) * len(panel.names))
+    for ground in plan.backgrounds:
+        there = replace(look, ground=BACKGROUNDS[ground])
+        frames = [plan.frames] * SCANS
+        read = reads(scene, views, there, right, panel, frames=frames, seed=seed, step=f"{ground} ground")
+        rates[ground] = sum(len(names & readers) for names in read) / (SCANS * max(len(readers), 1))
     return rates
 
 

@@ -73,7 +73,7 @@ class ScanReport:
     """Decoders by tilt and by background, the telling views, and advice in plain sentences.
 
     payload       the text that had to come back; None if it is no text
-    backgrounds   share of frontal views read on each ground, over all decoders
+    backgrounds   share of frontal scans read on each ground, over the decoders that read the part at all
     worst_read    the steepest view that every frontal reader still reads
     first_missed  the least steep view that one of them misses
     """
