@@ -59,7 +59,7 @@ class Request:
     caption_relief_mm: float = 0.4
     backing_mm: float | None = None
     backing_gap_mm: float = 0.0
-    finder: str = "panel"
+    finder: str = "recessed"
     objective: str = "optimal"
     contour: str = "smooth"
     draft_deg: float = 0.0

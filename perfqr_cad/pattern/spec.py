@@ -47,7 +47,7 @@ class PatternSpec:
     min_gap_mm: float | None = None
     style: Style = "square"
     fillet_mm: float | None = None
-    finder: FinderStrategy = "panel"
+    finder: FinderStrategy = "recessed"
     bar_height_mm: float = 0.4
     objective: Objective = "optimal"
     loss_weight: float = 1.0

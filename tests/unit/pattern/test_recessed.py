@@ -85,7 +85,7 @@ def test_the_slot_is_pinched_beside_the_bar_but_no_narrower_than_a_gap():
 
 
 def test_a_flush_pattern_has_one_front():
-    pattern = build(encode("RECESS", version=2), PatternSpec())
+    pattern = build(encode("RECESS", version=2), PatternSpec(finder="panel"))
     assert pattern.recessed == ()
     assert pattern.front == (pattern.region,)
 
