@@ -26,12 +26,12 @@ from perfqr_cad.pattern.sampling import (
 from perfqr_cad.pattern.spanning import Conflict, Link, cheapest, kruskal
 from perfqr_cad.symbol import Role, Symbol, layout
 
-AREA_PRICE = 0.02  # expected misread modules that a module's area of change is worth: appearance comes last
+AREA_PRICE = 0.06  # expected misread modules that a module's area of change is worth: appearance comes last
 BRIDGE_DOSE = 0.3  # brightness that a bridge along its edge adds to a module: risk is measured over this rise
 CENTRE_PRICE = 4.0  # expected misread modules for painting over the whole sampled centre of a module
 FINDER_PRICE = 8.0  # expected misread modules for painting over a module that a reader finds the code by
 QUIET_PRICE = 8.0  # expected misread modules for a module's area of material in a void quiet zone
-BAR_PRICE = 0.005  # expected misread modules that one bar less is worth: a quarter of a module's area
+BAR_PRICE = 0.005  # expected misread modules that one bar less is worth: a twelfth of a module's area
 LENGTH_PRICE = 1e-3  # of the area price: of two routes that cost the same, the shorter
 LEAST_STEPS, MOST_STEPS = 4, 16  # of the brush along a module
 CONFLICT_ROUNDS = 6  # of the solver that share the time limit

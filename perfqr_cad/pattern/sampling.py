@@ -99,9 +99,7 @@ def misread_chance(contrast: Field, sigma: float = NOISE_SIGMA) -> Field:
     return 0.5 * (1 - _erf(contrast / (sigma * math.sqrt(2))))
 
 
-def right_contrast(
-    lattice: Lattice, symbol: Symbol, solid_is_dark: bool, blur: float = BLUR_SIGMA
-) -> Field:
+def right_contrast(lattice: Lattice, symbol: Symbol, solid_is_dark: bool, blur: float = BLUR_SIGMA) -> Field:
     """(n, n) blurred brightness beyond one half in the direction that Q₀ asks for; negative reads wrong."""
     towards_solid = blurred(lattice, blur) - 0.5
     return np.where(symbol.matrix.dark == solid_is_dark, towards_solid, -towards_solid)

@@ -12,6 +12,7 @@ from perfqr_cad.progress import tell
 from perfqr_cad.reproduce.stand_ins import TABLE_1, picture
 from perfqr_cad.table import Table
 
+LEAST_LOSS = 1e-3  # above it the axis is logarithmic
 CURVES: tuple[tuple[str, Objective], ...] = (("λ = 0", "mst"), ("λ = 1", "paper"), ("optimal", "optimal"))
 
 
@@ -57,10 +58,11 @@ def _plot_losses(patterns: dict[str, Pattern], path: Path) -> None:
             axes.plot(
                 [len(finite) - 1], finite[-1:], "x", color=line.get_color(), label=f"{label}: ∞ from here"
             )
-    axes.set(xlabel="connectors", ylabel="L(Q)")
+    axes.set_yscale("symlog", linthresh=LEAST_LOSS)
+    axes.set(xlabel="connectors", ylabel="L(Q)", ylim=(0, None))
     axes.legend()
     figure.tight_layout()
-    figure.savefig(path)
+    figure.savefig(path, bbox_inches="tight")
     plt.close(figure)
 
 
@@ -89,5 +91,5 @@ def plot_pattern(pattern: Pattern, path: Path, title: str = "") -> None:
     )
     axes.set(xlim=(-half, half), ylim=(-half, half), aspect="equal", title=title)
     axes.axis("off")
-    figure.savefig(path)
+    figure.savefig(path, bbox_inches="tight")
     plt.close(figure)

@@ -1,0 +1,51 @@
+"""Which drawing of a message needs the least work, and which readers a tone shuts out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from perfqr_cad.pattern.lattice import checkerboards, label
+from perfqr_cad.pattern.spec import PatternSpec, Tone
+from perfqr_cad.symbol import Symbol
+
+MASKS = 8
+LINK_AREA = 0.27  # modules of area that a link at a corner paints, by a web of two thirds of a module
+ROUTE_AREA = 1.5  # the same for a route between islands
+
+# Readers that do not try the reversed picture: none of them read a flat code with its tones exchanged.
+BLIND_TO_REVERSED = ("zbar", "opencv", "jsQR", "rxing", "quirc")
+
+
+def easiest_mask(symbol: Symbol, spec: PatternSpec) -> Symbol:
+    """The same message under the mask whose light, or material of another tone, hangs together best.
+
+    All eight masks are valid to every reader. Estimated is the area that links at corners and routes between
+    islands would paint; of equal masks the first.
+    """
+    return min(
+        (replace(symbol, mask=mask) for mask in range(MASKS)),
+        key=lambda other: joining_area(other, spec.tone, spec.quiet_modules),
+    )
+
+
+def joining_area(symbol: Symbol, tone: Tone, quiet_modules: int = 4) -> float:
+    """Modules of area that joining a plain code's islands would change, estimated."""
+    solid = np.pad(
+        symbol.matrix.dark == (tone == "inverted"), quiet_modules, constant_values=tone == "normal"
+    )
+    corners = checkerboards(solid)
+    linked = solid.repeat(2, axis=0).repeat(2, axis=1)
+    for x, y in corners.tolist():
+        linked[2 * y - 1 : 2 * y + 1, 2 * x - 1 : 2 * x + 1] = True
+    return LINK_AREA * len(corners) + ROUTE_AREA * (label(linked)[1] - 1)
+
+
+def tone_warning(tone: Tone, light_material: bool) -> str | None:
+    """Who cannot read a part of a tone in a material, before a ground of the other shade; None: all can."""
+    if light_material == (tone == "normal"):
+        return None
+    shade, fit = ("light", "normal") if light_material else ("dark", "inverted")
+    readers = ", ".join(BLIND_TO_REVERSED)
+    return f"tone {tone} in a {shade} material shows the code reversed: {readers} cannot read it; use --tone {fit}"
