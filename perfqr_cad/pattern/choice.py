@@ -48,4 +48,7 @@ def tone_warning(tone: Tone, light_material: bool) -> str | None:
         return None
     shade, fit = ("light", "normal") if light_material else ("dark", "inverted")
     readers = ", ".join(BLIND_TO_REVERSED)
-    return f"tone {tone} in a {shade} material shows the code reversed: {readers} cannot read it; use --tone {fit}"
+    return (
+        f"tone {tone} in a {shade} material shows the code reversed:"
+        f" {readers} cannot read it; use --tone {fit}"
+    )
