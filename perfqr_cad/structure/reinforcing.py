@@ -12,6 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from shapely.geometry import Point
+
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.analysis import (
     DEFAULT_NOZZLE_MM,
@@ -21,7 +23,7 @@ from perfqr_cad.structure.analysis import (
     lattice_of,
     prepare,
 )
-from perfqr_cad.structure.domain import thin_parts
+from perfqr_cad.structure.domain import ThinPart, thin_parts
 from perfqr_cad.structure.field import StressField
 from perfqr_cad.structure.loads import Load, Loads, Support
 from perfqr_cad.structure.materials import MATERIALS, Material
@@ -171,10 +173,22 @@ class _Stage:
     bridges: tuple[Bridge, ...]
 
 
+def _ends_at(part: ThinPart, field: StressField) -> bool:
+    """Whether the largest stress is in or beside a thin part."""
+    return part.polygon.distance(Point(field.max_stress_at_mm)) < field.disc_width_mm
+
+
 def remedies(field: StressField, pattern: Pattern, yield_mpa: float) -> tuple[str, ...]:
     """What else would bring the largest stress within the yield stress, first estimates."""
     excess = field.max_stress_mpa / yield_mpa
-    advice = [
+    advice: list[str] = []
+    bars = [part for part in thin_parts(pattern, field.thickness_mm) if _ends_at(part, field)]
+    if bars:
+        height = bars[0].thickness_mm
+        advice.append(
+            f"finder bars {height * excess**0.5:.2f} mm high instead of {height:g} mm: they are weakest"
+        )
+    advice += [
         # Bending stress falls with the square of the thickness, and grows with the square of the span.
         f"thickness {field.thickness_mm * excess**0.5:.2f} mm instead of {field.thickness_mm:g} mm",
         f"size {pattern.size_mm / excess**0.5:.1f} mm instead of {pattern.size_mm:.1f} mm",
