@@ -28,7 +28,7 @@ Problem = Callable[[Survey], str | None]
 
 CANDIDATES = 160  # spots tried on one face, or round a spot that does not work
 FACES_TRIED = 40
-FACES_SIZED = 8  # of them asked for the largest code when none takes the one that is wanted
+FACES_SIZED = 4  # of them asked for the largest code when none takes the one that is wanted
 TURNS_DEG = (0.0, 45.0, 30.0, 60.0, 15.0, 75.0)
 ON_FACE_MM = 1e-3  # a given point this near to the surface is on it
 SEED = 0
