@@ -9,7 +9,7 @@ from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern.outline import Region
 from perfqr_cad.surface import Cone, HeightField, Placement, Plane, Revolved, Triangles
 
-from . import occ
+from . import flux, occ
 from .backing import Backing
 from .caption import Caption
 from .chart import Chart
@@ -25,11 +25,11 @@ from .sections import Sections
 from .shape import LIGHT, Colour, Corner, Solid
 from .walls import Walls
 
-# Share of the volume by which the modeller may differ from the closed form: rounding on straight plates; on
-# flared ones corners that join smoothly to 1e-6, elsewhere the fit of curves and offset surfaces.
+# Share of the volume by which the modeller may differ from the closed form: rounding on plates, straight or
+# flared; elsewhere the fit of curves and offset surfaces.
 FLAT_VOLUME_TOL = 1e-9
 CURVED_VOLUME_TOL = 1e-6
-VOLUME_ACCURACY = 1e-7  # asked of the modeller's adaptive integration
+VOLUME_ACCURACY = 1e-10  # asked of the modeller's adaptive integration
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
@@ -84,9 +84,7 @@ def build_plan(
     """The part of a plan; otherwise as `build`."""
     walls = walls or Walls()
     stands, notes = plan.sections(placement.thickness_mm, walls, chart_of(placement).whole_circles)
-    exact = placement.is_flat and walls.draft_deg == 0
-    limit = FLAT_VOLUME_TOL if exact else CURVED_VOLUME_TOL
-    solid = _stood(stands, placement, limit, chord_mm)
+    solid = _stood(stands, placement, chord_mm)
     return replace(solid, notes=notes, name=name, colour=colour)
 
 
@@ -102,8 +100,7 @@ def back(
     plan = plan_of(pattern)
     loops = backing.loops(plan.front[0], plan.mounts)
     stands = backing.sections(loops, placement, chart_of(placement).whole_circles)
-    limit = FLAT_VOLUME_TOL if placement.is_flat else CURVED_VOLUME_TOL
-    return replace(_stood(stands, placement, limit, chord_mm), name=name, colour=backing.colour)
+    return replace(_stood(stands, placement, chord_mm), name=name, colour=backing.colour)
 
 
 def plan_of(pattern: Pattern) -> Plan:
@@ -118,16 +115,18 @@ def plan_of(pattern: Pattern) -> Plan:
     )
 
 
-def _stood(stands: Sections, placement: Placement, volume_tol: float, chord_mm: float) -> Solid:
+def _stood(stands: Sections, placement: Placement, chord_mm: float) -> Solid:
     """The solid of some sections, measured and checked."""
+    volume_tol = FLAT_VOLUME_TOL if placement.is_flat else CURVED_VOLUME_TOL
     chart = chart_of(placement)
     with occ.kernel("building the solid", "simplify the outline or move the code to a smoother place"):
         shape = panel(stands, chart)
         volume = occ.volume(shape)
         expected = volume_mm3(stands.wells, placement)
-        # The quick rule is coarse on spline surfaces.
-        if abs(volume - expected) > CURVED_VOLUME_TOL * expected:
-            volume = occ.volume(shape, VOLUME_ACCURACY)
+        # The quick rule is coarse on spline faces: oblique walls of a plate, perforated splines elsewhere.
+        if abs(volume - expected) > volume_tol * expected:
+            fine = placement.is_flat
+            volume = occ.volume(shape, VOLUME_ACCURACY) if fine else flux.volume_mm3(shape)
     _, back_mm = stands.between_mm
     triangles = triangulate(
         stands.wells, back_mm, placement.at_depth, tops=stands.tops, chord_mm=chord_mm, flat=placement.is_flat

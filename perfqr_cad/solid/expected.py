@@ -16,10 +16,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.interpolate import RectBivariateSpline, make_interp_spline
 
-from perfqr_cad.pattern.outline import Circle, Line, Segment
+from perfqr_cad.pattern.outline import Arc, Circle, Line, Segment
 from perfqr_cad.surface import Placement, Revolved
 
-from .sampling import Array, derivatives
+from .sampling import Array, derivatives, quarters, sweep
 from .sections import Well
 
 NODES = 8  # of the Gauss rule along an edge panel; exact to degree 15
@@ -71,8 +71,10 @@ def _walls(wells: Sequence[Well], placement: Placement, origin: Array) -> float:
     for (top, bottom), (upper, lower) in bands.items():
         for panels, rows in _by_panels(upper, placement.is_flat).items():
             node, weight = gauss(NODES, panels)
-            p1, t1 = _run([upper[i] for i in rows], node, top, placement)
-            p0, t0 = _run([lower[i] for i in rows], node, bottom, placement)
+            pairs = [upper[i] for i in rows], [lower[i] for i in rows]
+            spans = _spans(*pairs) if placement.is_flat else None
+            p1, t1 = _run(pairs[0], node, top, placement, spans)
+            p0, t0 = _run(pairs[1], node, bottom, placement, spans)
             p1, p0 = p1 - origin, p0 - origin
             for s, share in zip(*gauss(RULING_NODES, 1), strict=True):
                 at, along = (1 - s) * p0 + s * p1, (1 - s) * t0 + s * t1
@@ -81,13 +83,52 @@ def _walls(wells: Sequence[Well], placement: Placement, origin: Array) -> float:
     return total
 
 
-def _run(segments: list[Segment], node: Array, depth_mm: float, placement: Placement) -> tuple[Array, Array]:
+def _run(
+    segments: list[Segment], node: Array, depth_mm: float, placement: Placement, spans: Array | None
+) -> tuple[Array, Array]:
     """Points and derivatives (k, q, 3) of laid segments."""
     at, slope = derivatives(segments, node)
+    if spans is not None:
+        _by_rationals(segments, node, spans, at, slope)
     flat = at.reshape(-1, 2)
     along_u, along_v = (x.reshape(*at.shape[:2], 3) for x in placement.tangents(flat, depth_mm))
     points = placement.at_depth(flat, depth_mm).reshape(*at.shape[:2], 3)
     return points, along_u * slope[..., :1] + along_v * slope[..., 1:]
+
+
+def _spans(upper: Sequence[Segment], lower: Sequence[Segment]) -> Array:
+    """Rational spans (k,) of the wall between two arcs, 0 for other segments."""
+    return np.array(
+        [
+            quarters(max(abs(sweep(a)), abs(sweep(b)))) if isinstance(a, Arc) and isinstance(b, Arc) else 0
+            for a, b in zip(upper, lower, strict=True)
+        ]
+    )
+
+
+def _by_rationals(segments: list[Segment], node: Array, spans: Array, at: Array, slope: Array) -> None:
+    """Points and derivatives of arcs where their rational spans have them, in place.
+
+    On a plate the wall between two arcs of unlike sweep is ruled between equal parameters of their rational
+    forms (`ruled.oblique_wall`), which are not equal shares of their angles.
+    """
+    rows = np.flatnonzero(spans)
+    arcs = [arc for arc in (segments[i] for i in rows) if isinstance(arc, Arc)]
+    if not arcs:
+        return
+    count = spans[rows][:, None]
+    turn = np.array([sweep(arc) for arc in arcs])[:, None]
+    quarter = np.tan(np.abs(turn) / count / 4)
+    span = np.minimum(np.floor(node * count), count - 1)
+    local = 2 * (node * count - span) - 1
+    half = np.abs(turn) / count / 2
+    share = (span + (2 * np.arctan(local * quarter) / half + 1) / 2) / count
+    speed = 2 * quarter / (1 + (local * quarter) ** 2) / half
+    angle = np.array([arc.start_rad for arc in arcs])[:, None] + share * turn
+    radius = np.array([arc.radius for arc in arcs])[:, None]
+    ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * radius[..., None]
+    at[rows] = np.array([arc.centre for arc in arcs])[:, None] + ray
+    slope[rows] = np.stack([-ray[..., 1], ray[..., 0]], axis=-1) * (turn * speed)[..., None]
 
 
 def _by_panels(segments: Sequence[Segment], flat: bool) -> dict[int, list[int]]:
@@ -95,6 +136,8 @@ def _by_panels(segments: Sequence[Segment], flat: bool) -> dict[int, list[int]]:
     found: dict[int, list[int]] = {}
     for i, segment in enumerate(segments):
         panels = 1 if isinstance(segment, Line) else CIRCLE_PANELS if isinstance(segment, Circle) else 2
+        if isinstance(segment, Arc):  # so that no panel runs over the joint of two rational spans
+            panels = 2 * quarters(abs(sweep(segment)))
         if not flat:
             panels = max(panels, math.ceil(segment.length / PANEL_MM))
         found.setdefault(panels, []).append(i)

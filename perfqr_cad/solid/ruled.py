@@ -13,12 +13,11 @@ from OCP.Geom2d import Geom2d_BSplineCurve
 
 from .chart import Trace, Wall
 from .occ import Array, line_2d, spline_curve_2d, spline_surface
+from .sampling import quarters
 
 RULING_KNOTS = (0.0, 0.0, 1.0, 1.0)
-# A rational quadratic span covers at most a quarter turn; each span's angle-to-parameter map is fitted by
-# this
-# many cubics, which leaves h⁴/384·|t⁗| < 1e-7 of a span.
-QUARTER_RAD = math.pi / 2
+# A rational quadratic span covers at most a quarter turn; its angle-to-parameter map is fitted by this many
+# cubics, which leaves h⁴/384·|t⁗| < 1e-7 of a span.
 PIECES = 24
 
 
@@ -44,7 +43,7 @@ def oblique_wall(top: Trace, bottom: Trace) -> Wall:
     Its long edges are the arcs themselves; their images are fitted, since an angle is no rational function of
     the surface's parameter.
     """
-    spans = math.ceil(max(top.last, bottom.last) / QUARTER_RAD - 1e-9)
+    spans = quarters(max(top.last, bottom.last))
     (upper, upper_weights), (lower, lower_weights) = _rational(top, spans), _rational(bottom, spans)
     knots = [0.0, *np.repeat(np.arange(spans + 1.0), 2), float(spans)]
     surface = spline_surface(

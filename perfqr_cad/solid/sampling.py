@@ -78,6 +78,11 @@ def sweep(segment: Arc | Circle) -> float:
     return math.tau if segment.ccw else -math.tau
 
 
+def quarters(angle_rad: float) -> int:
+    """How many quarter turns, or parts of one, an angle takes: the spans of an arc as rational quadratics."""
+    return max(1, math.ceil(angle_rad / (math.pi / 2) - 1e-9))
+
+
 def _ends(segments: Sequence[Segment]) -> tuple[Array, Array]:
     """First and last points, (k, 1, 2) each."""
     ends = np.array([(s.start, s.end) for s in segments]).reshape(-1, 2, 1, 2)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from shapely import Point, Polygon
 
+from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.pattern.outline import Arc, Circle, Loop, Region
+from perfqr_cad.pattern.outline import LEAST_MM, Arc, Circle, Loop, Region
 
 from .chart import Level, Well
 from .flare import settled
@@ -60,16 +63,18 @@ def sections(
     Raises `DesignError` when pockets leave no floor, a lip leaves nothing to flare or a draft closes an edge,
     `NoRecess` where the bars must be flush.
     """
+    _require_lengths(front)
     reach = walls.reach_mm(thickness_mm)
     through = walls.depth_mm is None
     upright = {i for i, loop in enumerate(_loops(front)) if i == 0 or loop.segments[0] in mounts}
     front = [Region(*_laid(region.loops, whole_circles)) for region in front]
-    paths = _paths(front, walls.flare_mm(reach), min_web_mm, rim)
+    flare = walls.flare_mm(reach)
+    paths = _paths(front, flare, min_web_mm, rim)
     floors = [0] * len(paths) if through else _floors(front)
     bars = bars if through else ()
     where = landings([path.loop for path in paths], bars)
     top = top_depth_mm(bars, thickness_mm) if bars else reach
-    depths = {0.0, walls.lip_mm, reach} if walls.draft_deg else {0.0, reach}
+    depths = {0.0, walls.lip_mm, reach} if flare and walls.lip_mm > LEAST_MM else {0.0, reach}
     wells: list[Well] = []
     for i, (path, floor) in enumerate(zip(paths, floors, strict=True)):
         if i in upright and i not in where:
@@ -80,6 +85,24 @@ def sections(
     holes = sum(len(region.holes) for region in front) if through else len(upright) - 1
     genus = holes + len(bars) - (len(front) - 1 if through else 0)
     return Sections(joined if rim else joined[1:], tops, len(front), genus)
+
+
+def _require_lengths(front: Sequence[Region]) -> None:
+    """Raises `KernelError` for a loop without segments, with one of no length, or with a gap."""
+    for loop in _loops(front):
+        if not loop.segments:
+            raise KernelError("an outline has no segments: leave it out")
+        for segment, following in pairwise((*loop.segments, loop.segments[0])):
+            (x, y), (x1, y1) = segment.start, segment.end
+            length = segment.radius if isinstance(segment, Circle) else math.hypot(x1 - x, y1 - y)
+            if not length > LEAST_MM:
+                raise KernelError(
+                    f"an outline has a segment of {length:.2g} mm at ({x:.3f}, {y:.3f}) mm, at least "
+                    f"{LEAST_MM:g} mm is needed: leave it out"
+                )
+            gap = math.dist(segment.end, following.start)
+            if not gap <= LEAST_MM:
+                raise KernelError(f"an outline is open by {gap:.2g} mm at ({x1:.3f}, {y1:.3f}) mm: close it")
 
 
 def _loops(front: Sequence[Region]) -> list[Loop]:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.pattern.outline import LEAST_MM
 
 MOST_DRAFT_DEG = 60.0  # beyond it the holes of neighbouring modules meet long before the back of any plate
 
@@ -50,9 +51,10 @@ class Walls:
         flared = reach_mm - self.lip_mm
         if self.draft_deg == 0:
             return 0.0
-        if flared <= 0:
+        if flared <= LEAST_MM:
             raise DesignError(
                 f"a lip of {self.lip_mm:g} mm leaves nothing to flare in holes {reach_mm:g} mm deep: "
                 f"take a lip below {reach_mm:g} mm or a draft of 0°"
             )
-        return flared * math.tan(math.radians(self.draft_deg))
+        flare = flared * math.tan(math.radians(self.draft_deg))
+        return flare if flare > LEAST_MM else 0.0
