@@ -15,6 +15,7 @@ from perfqr_cad.scan.decoders import CORE
 from perfqr_cad.table import Table
 
 TILTS_DEG = tuple(range(0, 65, 5))
+_COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple")
 PAPER_MARKS_DEG = (20, 30)  # good robustness to, difficult beyond
 
 
@@ -51,20 +52,19 @@ def _plot(path: Path, part: list[dict[str, float]], paper: list[dict[str, float]
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7, 4.2), layout="constrained")
+    figure = Figure(figsize=(8, 4.2), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
-    for curves, colour, label in ((paper, "tab:gray", "flat print"), (part, "tab:blue", "part")):
-        for name in CORE:
-            axes.plot(TILTS_DEG, [100 * c[name] for c in curves], color=colour, alpha=0.3, linewidth=1)
-        mean = [100 * sum(c[name] for name in CORE) / len(CORE) for c in curves]
-        axes.plot(
-            TILTS_DEG, mean, color=colour, linewidth=2.5, marker="o", label=f"{label}, mean of {len(CORE)}"
-        )
+    for name, colour in zip(CORE, _COLOURS, strict=True):
+        for curves, style, label in ((paper, "--", "flat print"), (part, "-", "part")):
+            rates = [100 * c[name] for c in curves]
+            axes.plot(
+                TILTS_DEG, rates, style, color=colour, marker="o", markersize=3, label=f"{name}, {label}"
+            )
     for mark in PAPER_MARKS_DEG:
         axes.axvline(mark, color="tab:red", linestyle=":", linewidth=1)
         axes.annotate(f"paper: {mark}°", (mark, 3), rotation=90, color="tab:red", fontsize=8, ha="right")
     axes.set(xlabel="tilt, degrees", ylabel="scans read, %", ylim=(-3, 103))
-    axes.legend(frameon=False)
+    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=140)
