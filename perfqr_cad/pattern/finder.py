@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
@@ -24,7 +25,7 @@ CORE_FLUSH = 2.0  # the same for a bar from the core
 # tilt, and a recessed bar costs reads at 30 to 40°, so no ring gets one that needs none. Its slot is narrowed
 # from the outside, over a module beyond the bar (0.8 to 1.3 do alike), and the inner edge left straight.
 TRACED_VERSIONS = 6
-RECESSED_MIDDLE = 1.5  # modules from the ring's corner to the middle of a recessed bar
+RECESSED_MIDDLE = 2.0  # modules from the ring's corner to the middle of a recessed bar (1.5 to 2 do alike)
 PINCH_REACH = 1.0  # modules by which the pinch of a slot outreaches its recessed bar
 PLACES: tuple[tuple[Side, bool], ...] = (  # side, and whether by its far end; the top and left before others
     ("top", False),
@@ -131,9 +132,10 @@ def _side_bar(ring: Ring, width: float, solid: Solid) -> list[RingBar]:
 
 
 def _recessed_bar(ring: Ring, width: float, solid: Solid) -> list[RingBar]:
-    """One bar near a corner, where three modules of material lie along the pinch."""
+    """One bar near a corner, where material lies along the whole pinch."""
+    length = math.ceil(RECESSED_MIDDLE + width / 2 + PINCH_REACH)
     for side, far in sorted(PLACES, key=lambda place: place[0] != "left"):
-        modules = [ring.size - 1 - k if far else k for k in range(3)]
+        modules = [ring.size - 1 - k if far else k for k in range(length)]
         if all(solid(*_outside(ring, side, k)) for k in modules):
             return [_slot(ring, side, far, width)]
     return []

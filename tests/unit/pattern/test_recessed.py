@@ -70,6 +70,10 @@ def test_bars_end_within_one_straight_edge_square_to_them(style):
         for middle, corners in ((bar.start, (right_start, left_start)), (bar.end, (right_end, left_end))):
             (edge,) = edges_under(pattern, middle)
             assert all(edge in edges_under(pattern, corner) for corner in corners)
+            beyond = min(
+                np.hypot(*np.subtract(tip, corner)) for tip in (edge.start, edge.end) for corner in corners
+            )
+            assert beyond > 0.4  # walls that flare take some of it
             along = np.subtract(edge.end, edge.start) @ np.subtract(bar.end, bar.start)
             assert along == pytest.approx(0, abs=1e-9)
 
