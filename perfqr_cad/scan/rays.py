@@ -26,6 +26,8 @@ LIFT_MM = 1e-3  # rays leave a surface from this far above it, or they would mee
 GROUND = np.int8(0)
 AXIS_CLASSES = 6  # the ways a triangle can face
 SAMPLE_STEP = 3  # light is sampled at every third pixel of every third row
+STEEPEST_DEG = 65.0  # of a surface towards the camera that is still averaged as one
+DEEP = 32  # added to the class of what is seen through holes
 SMOOTH_PX = 6.0  # and averaged over about 2 pi 6² / 9 = 25 samples
 _TINY = 1e-6
 
@@ -105,10 +107,22 @@ def shoot(
     )
     rng = np.random.default_rng(seed)
     light_there = _irradiance(tracer, points, normals, light, reflectance, rng)
-    facing = tracer.classes[triangle]  # the last class is that of the ground
-    lit = _spread(light_there.reshape(facing[every].shape).astype(np.float32), facing)
     cover = tracer.on_part(triangle)
+    facing = tracer.classes[triangle]  # the last class is that of the ground
+    facing[_deep(distance, cover, camera.target.edge_mm / (camera.view.fill * size))] += DEEP
+    lit = _spread(light_there.reshape(facing[every].shape).astype(np.float32), facing)
     return Shot(lit * cover, lit * ~cover, cover.astype(np.float32), np.linalg.inv(camera.homography(-floor)))
+
+
+def _deep(distance: Picture, cover: NDArray[np.bool_], pixel_mm: float) -> NDArray[np.bool_]:
+    """Pixels of the part that lie deeper than any slope explains behind the nearest within reach of the
+    average: the far inner wall of a hollow body, seen through its holes, faces the reader as its front does.
+    """
+    from scipy.ndimage import minimum_filter
+
+    reach = round(3 * SMOOTH_PX)
+    near = minimum_filter(np.where(cover, distance, np.inf), 2 * reach + 1)
+    return cover & (distance > near + reach * pixel_mm * np.tan(np.radians(STEEPEST_DEG)))
 
 
 def _places(
