@@ -20,6 +20,7 @@ from perfqr_cad.structure.t6 import Floats, Ints
 
 HOT_SHARE = 0.6  # of the largest stress: places that are watched while bridges are tried
 HOT_MOST = 400
+FIRST_ROOM = 64  # columns of Z0 before room is made for more
 
 
 class Reanalysis:
@@ -32,13 +33,19 @@ class Reanalysis:
         self._base = factor.solve(np.where(model.fixed, 0.0, forces))
         unknowns = len(forces)
         self._couplings: sp.csc_matrix = sp.csc_matrix((unknowns, 0))
-        self._flexibility: Floats = np.zeros((unknowns, 0))  # Z0
+        self._room: Floats = np.empty((unknowns, FIRST_ROOM), order="F")  # Z0 and columns to come
+        self._small: Floats = np.zeros((0, 0))  # 1 + CᵀZ0
         self.displacement = self._base
         self._hot: tuple[Ints, Floats] | None = None
 
     def solve(self, right: Floats) -> Floats:
         """K⁻¹ of one or several right-hand sides, bridges included."""
         return self._corrected(self._factor.solve(right))
+
+    @property
+    def _flexibility(self) -> Floats:
+        """Z0 (n, modes)."""
+        return self._room[:, : self.modes]
 
     @property
     def modes(self) -> int:
@@ -54,15 +61,26 @@ class Reanalysis:
         alone = left @ flexibility
         if not self.modes:
             return alone
-        small = np.eye(self.modes) + self._couplings.T @ self._flexibility
-        return alone - (left @ self._flexibility) @ np.linalg.solve(small, self._couplings.T @ flexibility)
+        amplitudes = np.linalg.solve(self._small, self._couplings.T @ flexibility)
+        return alone - (left @ self._flexibility) @ amplitudes
 
     def add(self, coupling: sp.csc_matrix, flexibility: Floats | None = None) -> None:
         """Lay bridges for good; C (n, modes) of them all, and K0⁻¹ C where it is known."""
         if flexibility is None:
             flexibility = self.unbridged(coupling)
-        self._flexibility = np.hstack([self._flexibility, flexibility])
+        before, after = self.modes, self.modes + flexibility.shape[1]
+        if after > self._room.shape[1]:
+            room = np.empty((len(self._base), 2 * after), order="F")
+            room[:, :before] = self._flexibility
+            self._room = room
+        self._room[:, before:after] = flexibility
         self._couplings = sp.csc_matrix(sp.hstack([self._couplings, coupling]))
+        own = self._couplings.T @ flexibility  # the rest of CᵀZ0 is known, and it is symmetric
+        small = np.eye(after)
+        small[:before, :before] = self._small
+        small[:, before:] += own
+        small[before:, :before] += own[:before].T
+        self._small = small
         self.displacement = self._corrected(self._base)
         self._hot = None
 
@@ -80,8 +98,7 @@ class Reanalysis:
     def _corrected(self, unbridged: Floats) -> Floats:
         if not self.modes:
             return unbridged
-        small = np.eye(self.modes) + self._couplings.T @ self._flexibility
-        return unbridged - self._flexibility @ np.linalg.solve(small, self._couplings.T @ unbridged)
+        return unbridged - self._flexibility @ np.linalg.solve(self._small, self._couplings.T @ unbridged)
 
     @property
     def hot_places(self) -> tuple[Ints, Floats]:

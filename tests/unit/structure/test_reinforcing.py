@@ -146,7 +146,7 @@ def test_bridges_make_it_stronger_or_say_what_would() -> None:
         assert {bridge.stage for bridge in result.bridges} == {"structural"}
     else:
         assert result.status == "weak: no affordable bridge is left"
-        assert "thickness" in result.remedies[0]
+        assert any("thickness" in remedy for remedy in result.remedies)
 
 
 def test_nothing_saves_a_part_a_thousand_times_too_weak() -> None:
