@@ -23,6 +23,7 @@ def part(
     text: str | None = None,
     *,
     mesh_step: Callable[[Path], Triangles] | None = None,
+    mesh_3mf: Callable[[Path], Triangles] | None = None,
     placement: Placement | None = None,
     plan: Plan = FULL,
     decoders: tuple[str, ...] | None = None,
@@ -32,6 +33,7 @@ def part(
 
     text        what must come back; None: what the design.json says, or what the decoders agree on
     mesh_step   triangles of a STEP file; the solid modeller is not ours to call
+    mesh_3mf    triangles of a 3MF file in mm; None: without its unit
     placement   where the code lies; None: on the top of the part, the reader above
 
     KernelError if the file cannot be read, DesignError if it is no kind of part.
@@ -41,7 +43,9 @@ def part(
     if suffix == ".json":
         path, said = _of_design(path)
         suffix, text = path.suffix.lower(), said if text is None else text
-    if suffix in MESHES:
+    if suffix == ".3mf" and mesh_3mf is not None:
+        triangles = mesh_3mf(path)
+    elif suffix in MESHES:
         triangles = load_mesh(path)
     elif suffix in STEPS and mesh_step is not None:
         if not path.is_file():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,10 @@ from perfqr_cad.scan.camera import Target
 from perfqr_cad.surface import Placement, Triangles
 
 PLATE_LEVELS = 64  # faces, lip, recess and flares of a plate end at fewer heights; a curved mesh has more
+# What trimesh raises on files that are not what their suffix says.
+_UNREADABLE = (
+    ValueError, KeyError, IndexError, TypeError, OSError, ImportError, NotImplementedError, BadZipFile,
+)  # fmt: skip
 PLATE_SLENDERNESS = 0.25  # thickness over width: thicker than this, it is a block
 
 
@@ -61,6 +66,8 @@ def place(
     if len(faces) == 0:
         raise KernelError("the part has 0 triangles: at least 4 make a solid, so check how it was meshed")
     low, high = vertices.min(axis=0), vertices.max(axis=0)
+    if not np.count_nonzero(high - low) >= 2:
+        raise KernelError("the part has no area that could be filmed: check how it was meshed")
     if placement is None:
         centre, axes = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]]), np.eye(3)
     else:
@@ -68,7 +75,7 @@ def place(
     edge = edge_mm if edge_mm is not None else float((high - low)[:2].max())
     part = Part(vertices, faces, Target(centre, axes, edge), flat=False, behind=behind)
     level = behind is None and (placement is None or placement.is_flat)
-    return replace(part, flat=level and _is_plate(part.in_frame()))
+    return replace(part, flat=level and _is_plate(part.in_frame()) and _is_closed(faces))
 
 
 def _is_plate(vertices: NDArray[np.float64]) -> bool:
@@ -76,6 +83,13 @@ def _is_plate(vertices: NDArray[np.float64]) -> bool:
     levels = np.unique(np.round(vertices[:, 2], 3))
     span = np.ptp(vertices, axis=0)
     return len(levels) <= PLATE_LEVELS and span[2] < PLATE_SLENDERNESS * max(span[0], span[1])
+
+
+def _is_closed(faces: NDArray[np.int64]) -> bool:
+    """Whether every edge is passed once in either direction; only then is a section of the mesh an area."""
+    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    there, back = (np.sort(edges @ [faces.max() + 1, 1]), np.sort(edges @ [1, faces.max() + 1]))
+    return bool(np.array_equal(there, back) and np.all(there[1:] != there[:-1]))
 
 
 def load_mesh(path: Path | str) -> Triangles:
@@ -87,10 +101,12 @@ def load_mesh(path: Path | str) -> Triangles:
         raise KernelError(f"{path} does not exist: give the path of a written part")
     try:
         loaded = trimesh.load(path, force="mesh")
-    except (ValueError, KeyError, IndexError, OSError, NotImplementedError) as error:
+    except _UNREADABLE as error:
         raise KernelError(
             f"{path} is not a mesh that can be read ({error}): write it again as .stl"
         ) from error
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
         raise KernelError(f"{path} holds 0 triangles: write it again as .stl")
+    if not np.isfinite(loaded.vertices).all():
+        raise KernelError(f"{path} has corners that are no finite numbers: write it again as .stl")
     return Triangles(np.asarray(loaded.vertices, np.float64), np.asarray(loaded.faces, np.int64))

@@ -19,6 +19,7 @@ from perfqr_cad.scan.sections import stack as cut_stack
 STEEPEST_DEG = 65.0  # no decoder reads a flat print beyond 60° (paper, Fig. 14)
 LEAST_WEB_MM = 0.4  # one line of the common nozzle: nothing thinner is printed
 SECTION_PX = 800  # sections as fine as a 1000-pixel view that the part fills to 80 %
+WEB_PX = 2  # no web of fewer pixels is seen
 MARGIN = 1.08  # sections reach this far beyond the part, so that its outer walls have lit air beside them
 TARGET_PX = 450  # a code seen smaller than this is rendered larger and averaged down
 
@@ -69,7 +70,7 @@ class Scene:
             camera,
             gap_mm=look.gap_mm,
             front=look.light.on_front,
-            least_web_mm=self.least_web_mm,
+            least_web_mm=self._visible_web_mm,
         )
 
     def _brightness(self, look: Look, reflectance: float) -> skylight.Brightness:
@@ -99,6 +100,11 @@ class Scene:
     def _tracer(self) -> rays.Tracer:
         return rays.tracer(self.part)
 
+    @property
+    def _visible_web_mm(self) -> float:
+        """The least web, or what a few pixels show of a part that is much larger than any print."""
+        return max(self.least_web_mm, WEB_PX * self.part.target.edge_mm / SECTION_PX)
+
     @cached_property
     def _stack(self) -> Stack:
         if self.sections is not None:
@@ -109,7 +115,7 @@ class Scene:
             vertices,
             self.part.faces,
             edge_mm=MARGIN * 2 * float(np.abs(vertices[:, :2]).max()),
-            layers=plate.layers_needed(thickness, STEEPEST_DEG, self.least_web_mm),
+            layers=plate.layers_needed(thickness, STEEPEST_DEG, self._visible_web_mm),
             pixels=SECTION_PX,
         )
 

@@ -11,6 +11,7 @@ from perfqr_cad import scan
 from perfqr_cad.errors import AnalysisError, DesignError, KernelError
 from perfqr_cad.scan import DecoderResult, ScanReport
 from perfqr_cad.scan.advice import sentences
+from perfqr_cad.surface import Triangles
 
 _spec = importlib.util.spec_from_file_location("plates", Path(__file__).with_name("plates.py"))
 plates = importlib.util.module_from_spec(_spec)
@@ -113,3 +114,29 @@ def test_a_plate_without_a_code_needs_a_text(tmp_path):
     trimesh.creation.box((30, 30, 1)).export(tmp_path / "blank.stl")
     with pytest.raises(AnalysisError, match="read nothing"):
         scan.part(tmp_path / "blank.stl", plan=ONCE, decoders=("zbar",))
+
+
+def test_what_has_no_area_or_cannot_be_read_is_refused(tmp_path):
+    import trimesh
+
+    flat = trimesh.Trimesh([[0, 0, 0], [0, 0, 0], [0, 0, 0]], [[0, 1, 2]], process=False)
+    flat.export(tmp_path / "flat.stl")
+    with pytest.raises(KernelError, match="no area"):
+        scan.part(tmp_path / "flat.stl", "x", plan=ONCE, decoders=("zbar",))
+    (tmp_path / "garbage.3mf").write_bytes(b"PK\x03\x04 nothing of the kind")
+    with pytest.raises(KernelError, match="can be read"):
+        scan.part(tmp_path / "garbage.3mf", "x", plan=ONCE, decoders=("zbar",))
+
+
+def test_a_part_of_kilometres_is_filmed_with_few_sections(tmp_path):
+    import trimesh
+
+    trimesh.creation.box((3e7, 3e7, 1e6)).export(tmp_path / "huge.stl")
+    with pytest.raises(AnalysisError, match="read nothing"):
+        scan.part(tmp_path / "huge.stl", plan=ONCE, decoders=("zbar",))
+
+
+def test_an_open_mesh_is_no_plate(folder):
+    closed = scan.load_mesh(folder / "part.stl")
+    assert scan.place(closed).flat
+    assert not scan.place(Triangles(closed.vertices, closed.faces[1:])).flat
