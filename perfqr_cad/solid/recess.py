@@ -128,10 +128,10 @@ def _cuts(stacks: list[Stack], marks: dict[int, list[Mark]], bars: Sequence[Brid
 
 def _parted(stack: Stack, marks: Sequence[Mark], bars: Sequence[Bridge]) -> list[_Cut]:
     """A stack of lines cut where the sides of bars meet it, in the order of travel."""
-    order = sorted(marks, key=lambda mark: _feet(stack[0], bars[mark.bar]))
+    order = sorted(marks, key=lambda mark: crossings(stack[0], bars[mark.bar]))
     rows: list[list[Segment]] = []
     for line in stack:
-        feet = [0.0, *(foot for mark in order for foot in _feet(line, bars[mark.bar])), line.length]
+        feet = [0.0, *(foot for mark in order for foot in crossings(line, bars[mark.bar])), line.length]
         if min(np.diff(feet)) < CLEAR_MM:
             raise _flush(bars[order[0].bar], "meets a corner of its edge")
         corners = [line.start, *(_along(line, foot / line.length) for foot in feet[1:-1]), line.end]
@@ -142,7 +142,7 @@ def _parted(stack: Stack, marks: Sequence[Mark], bars: Sequence[Bridge]) -> list
     return [_Cut(piece, name) for piece, name in zip(zip(*rows, strict=True), names, strict=True)]
 
 
-def _feet(line: Segment, bar: Bridge) -> tuple[float, float]:
+def crossings(line: Segment, bar: Bridge) -> tuple[float, float]:
     """How far along a line, mm, the two sides of a bar cross it, in the order of travel."""
     way, along = (np.subtract(s.end, s.start) / np.hypot(*np.subtract(s.end, s.start)) for s in (bar, line))
     turn = float(way[0] * along[1] - way[1] * along[0])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,9 +17,12 @@ from perfqr_cad.pattern.outline import LEAST_MM, Arc, Circle, Loop, Region
 from .chart import Level, Well
 from .flare import settled
 from .offset import widened
-from .recess import Top, landings, recessed, top_depth_mm
+from .recess import Mark, Top, crossings, landings, recessed, top_depth_mm
 from .sampling import Array
 from .walls import Walls
+
+# Steps from an edge to those that shorten it as they are set back; a rounded corner may lie between.
+BESIDE = (1, 2)
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,7 @@ def sections(
     floors = [0] * len(paths) if through else _floors(front)
     bars = bars if through else ()
     where = landings([path.loop for path in paths], bars)
+    paths = [path.clear_of(bars, where[i]) if i in where else path for i, path in enumerate(paths)]
     top = top_depth_mm(bars, thickness_mm) if bars else reach
     depths = {0.0, walls.lip_mm, reach} if flare and walls.lip_mm > LEAST_MM else {0.0, reach}
     wells: list[Well] = []
@@ -145,6 +149,20 @@ class _Path:
     loop: Loop
     piece: int
     flares_mm: Array | None
+
+    def clear_of(self, bars: Sequence[Bridge], marks: dict[int, list[Mark]]) -> _Path:
+        """The path, the segments beside edges that bars stand on set back by no more than those can lose."""
+        if self.flares_mm is None:
+            return self
+        flares, n = self.flares_mm.copy(), len(self.flares_mm)
+        for s, found in marks.items():
+            edge = self.loop.segments[s]
+            sides = [foot for mark in found for foot in crossings(edge, bars[mark.bar])]
+            for way, room in ((-1, min(sides)), (1, edge.length - max(sides))):
+                for step in BESIDE:
+                    k = (s + way * step) % n
+                    flares[k] = min(flares[k], max(room / 2, 0.0))
+        return replace(self, flares_mm=flares)
 
     def well(
         self,

@@ -125,6 +125,15 @@ def test_a_slanted_bar_between_drafted_walls() -> None:
     assert solid.volume_mm3 == pytest.approx(solid.expected_volume_mm3, rel=1e-9)
 
 
+@pytest.mark.parametrize("radius", [0.0, 0.3])
+def test_a_bar_by_the_corner_of_a_drafted_edge_stands(radius: float) -> None:
+    """The side next to it gives way less, so that its edge stays long enough for the bar."""
+    near = (bar((5.0 - radius - 0.6, 5.0), (5.0 - radius - 0.6, 7.0)),)
+    solid = build_front(front(radius), near, Plane(THICKNESS), Walls(draft_deg=10.0))
+    assert solid.notes == ()
+    assert solid.problems == ()
+
+
 def test_two_pieces_side_by_side() -> None:
     """Outlines that are joined: neither lies in a hole of the other."""
     left = Region(Loop.from_points([(-5, -5), (0, -5), (0, 5), (-5, 5)]))
