@@ -8,15 +8,17 @@ import shapely
 from shapely.geometry import Point, Polygon, box
 
 from perfqr_cad.errors import AnalysisError
+from perfqr_cad.pattern import PatternSpec, build
 from perfqr_cad.structure import MATERIALS, Finger, Pressure, Support, Weight, analyse_region, plate
 from perfqr_cad.structure.analysis import prepare
 from perfqr_cad.structure.assembly import System
-from perfqr_cad.structure.domain import ThinPart
+from perfqr_cad.structure.domain import ThinPart, thin_parts
 from perfqr_cad.structure.model import Model, forces_of
 from perfqr_cad.structure.quilt import patched
 from perfqr_cad.structure.seeding import Grain
 from perfqr_cad.structure.tiling import Lattice, cut
 from perfqr_cad.surface import Plane
+from perfqr_cad.symbol import encode
 
 GRAIN = Grain(size_mm=1.4, corner_mm=0.4, layer_mm=0.3, tolerance_mm=0.02)
 HOLES = shapely.union_all([box(x, y, x + 2, y + 2) for x in range(-8, 8, 4) for y in range(-8, 8, 4)])
@@ -110,3 +112,13 @@ def test_loads_act_together() -> None:
     assert forces_of(model, loads, factor) == pytest.approx(parts)
     roaming = forces_of(model, (Pressure(1e-3), Finger(2.0, 3.0)), factor)
     assert roaming.sum() == pytest.approx(forces_of(model, Pressure(1e-3), factor).sum() - 2.0)
+
+
+def test_recessed_bars_are_thin_where_the_wall_has_room_for_their_slot() -> None:
+    pattern = build(
+        encode("BARS", version=1), PatternSpec(size_mm=50.0, finder="recessed", bar_height_mm=0.6)
+    )
+    bars = thin_parts(pattern, 2.0)
+    assert [bar.thickness_mm for bar in bars] == [0.6] * len(pattern.recessed) != []
+    assert all(pattern.polygon.buffer(1e-6).covers(bar.polygon) for bar in bars)
+    assert thin_parts(pattern, 0.9) == ()
