@@ -25,7 +25,7 @@ style = "square"  # [square, rounded, dots, diamond, bars]
 # radius of re-entrant corners, mm; -1 takes half the nozzle
 fillet = -1  # [-1:0.05:5]
 # how the finder rings are held
-finder = "recessed"  # [recessed:in the depth where readers mind it, panel:flush bars, diagonal:four corner bars]
+finder = "recessed"  # [recessed:at the back, panel:flush bars, diagonal:four corner bars]
 # how bridges are chosen
 objective = "optimal"  # [optimal:fewest and least harmful, paper:Eq. (4)]
 
