@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from perfqr_cad.capture import Capture
     from perfqr_cad.export import FileRecord
-    from perfqr_cad.pattern import Pattern
+    from perfqr_cad.pattern import Pattern, PatternSpec
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Backing, Caption, Solid, Walls
     from perfqr_cad.structure import Reinforcement, SolidCheck, StressField
@@ -171,9 +171,9 @@ def run(request: Request, target: Target | None = None) -> Design:
     terms.look(request)
     material = structure.material(request.material)
     with watch("symbol"):
-        capture, symbol = _source(request)
-    with watch("pattern"):
         spec = terms.spec(request)
+        capture, symbol = _source(request, spec)
+    with watch("pattern"):
         drawn = patterns.build(symbol, spec, None if capture is None else capture.art)
     if request.scan_tilt_deg:
         with watch("tuning"):
@@ -239,22 +239,26 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
     """
     from perfqr_cad import scan
     from perfqr_cad.solid import mesh_step
+    from perfqr_cad.solid.meshtarget import read_mesh
 
-    return scan.part(path, text, mesh_step=mesh_step)
+    return scan.part(path, text, mesh_step=mesh_step, mesh_3mf=read_mesh)
 
 
-def _source(request: Request) -> tuple[Capture | None, Symbol]:
-    """The symbol of a text, or of the code in a picture with its codewords corrected."""
+def _source(request: Request, spec: PatternSpec) -> tuple[Capture | None, Symbol]:
+    """The symbol of a text, masked so that its material hangs together, or of the code in a picture with its
+    codewords corrected."""
     if request.image is not None:
         from perfqr_cad.capture import read
 
         capture = read(request.image)
         return capture, capture.recovery.symbol
+    from perfqr_cad.pattern.choice import easiest_mask
     from perfqr_cad.symbol import encode
 
     assert request.text is not None  # Request holds exactly one of text and image
     level: Level = request.level  # pyright: ignore[reportAssignmentType]  # encode refuses other letters
-    return None, encode(request.text, version=request.version, level=level, mask=request.mask)
+    symbol = encode(request.text, version=request.version, level=level, mask=request.mask)
+    return None, symbol if request.mask is not None else easiest_mask(symbol, spec)
 
 
 def _plate(request: Request) -> Target:

@@ -15,6 +15,7 @@ class Request:
     """Every setting of a part. Lengths in mm, pressure and stress in MPa, angles in degrees.
 
     text, image      the payload, or a picture of an artistic code; exactly one of them
+    mask             0 to 7; None: the one that needs the least joining
     size_mm          edge of the whole code with its quiet zone; None: the smallest the nozzle can make
     pressure_mpa     on the whole front; finger_n: force of a fingertip at the worst place; own_weight: the
                      part lies flat. They act together

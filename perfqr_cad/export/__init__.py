@@ -34,6 +34,7 @@ FORMATS: dict[str, str] = {
     ".scad": "scad",
     ".glb": "glb",
     ".png": "png",
+    ".vtu": "vtu",
     ".html": "report",
     ".json": "certificate",
 }

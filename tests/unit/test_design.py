@@ -122,3 +122,9 @@ def test_a_frame_is_not_for_somebody_elses_part() -> None:
 
     with pytest.raises(DesignError, match="frame_mm, caption: "):
         make(text="HELLO 123", target=Wall(), frame_mm=5.0, caption="X")  # pyright: ignore[reportArgumentType]
+
+
+def test_the_mask_is_the_one_that_hangs_together_unless_it_is_asked_for() -> None:
+    free = make(text="HELLO 123", size_mm=40)
+    areas = [make(text="HELLO 123", size_mm=40, mask=mask).pattern.changed_area_mm2 for mask in (0, 7)]
+    assert free.pattern.changed_area_mm2 <= min(areas)
