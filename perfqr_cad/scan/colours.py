@@ -60,5 +60,6 @@ def contrast_warning(value: float, *, inverted: bool = False) -> tuple[str, ...]
         )
     ground = "lighter" if inverted else "darker"
     return (
-        f"contrast of material and ground is {value:.0%}, under {LEAST_CONTRAST:.0%}: choose a {ground} ground",
+        f"contrast of material and ground is {value:.0%}, under {LEAST_CONTRAST:.0%}: "
+        f"choose a {ground} ground",
     )
