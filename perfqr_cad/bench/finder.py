@@ -21,14 +21,16 @@ from perfqr_cad.scan.proof import reads
 from perfqr_cad.symbol import payload_of
 from perfqr_cad.table import Table
 
-VERSIONS = (1, 3, 6, 7, 14, 25, 40)
+VERSIONS = (1, 3, 6, 7, 20, 40)
 MODULES_MM = (1.2, 2.4)  # the least that a 0.4 mm nozzle can print, and twice that
 THICKNESS_MM, LIP_MM, DRAFT_DEG = 1.2, 0.4, 12.0  # a plate that is meant to be read from the side
 TILTS_DEG = (0.0, 20.0, 30.0)
 AZIMUTHS_DEG = (65.0, 205.0)  # off the code's axes, as the certificate films it
 VIEW_MODULE_PX = 6.0  # frontal
 LEAST_VIEW_PX = 400
-FRAMES = 2  # of an unsteady hand
+VIEW_MODULE_OF_LARGE_PX = 4.0  # of codes over LARGE modules a side, as a sensor of finite size sees them
+LARGE = 100
+FRAMES = 1  # of an unsteady hand
 
 
 def run() -> Table:
@@ -72,7 +74,8 @@ def _read(strategy: FinderStrategy, version: int, module_mm: float, panel: Panel
     size_mm = module_mm * (symbol.size + 8)
     pattern = build(symbol, PatternSpec(size_mm=size_mm, finder=strategy))
     scene = drawn(pattern, THICKNESS_MM, draft_deg=DRAFT_DEG, lip_mm=LIP_MM)
-    size_px = max(LEAST_VIEW_PX, round(VIEW_MODULE_PX * (symbol.size + 8) / 0.7))
+    module_px = VIEW_MODULE_PX if symbol.size <= LARGE else VIEW_MODULE_OF_LARGE_PX
+    size_px = max(LEAST_VIEW_PX, round(module_px * (symbol.size + 8) / 0.7))
     views = [
         View(tilt, azimuth, size_px=size_px)
         for tilt in TILTS_DEG

@@ -78,14 +78,15 @@ def test_bars_end_within_one_straight_edge_square_to_them(style):
             assert along == pytest.approx(0, abs=1e-9)
 
 
-def test_the_slot_is_pinched_beside_the_bar_but_no_narrower_than_a_gap():
-    pattern = made()
-    m = pattern.module_mm
-    for bar in pattern.recessed:
-        length = np.hypot(*np.subtract(bar.end, bar.start))
-        assert 0.3 * m <= length <= 0.4 * m
-    tight = made(min_gap_mm=1.0)
-    assert all(np.hypot(*np.subtract(bar.end, bar.start)) >= 1.0 for bar in tight.recessed)
+def slot_mm(**settings):
+    (bar,) = made(**settings).recessed
+    return np.hypot(*np.subtract(bar.end, bar.start))
+
+
+def test_the_slot_is_narrow_but_no_narrower_than_a_gap():
+    assert slot_mm() == pytest.approx(0.38 * 1.2, abs=0.06)
+    assert slot_mm(size_mm=33 * 2.4) == pytest.approx(0.38 * 2.4, abs=0.06)
+    assert slot_mm(min_gap_mm=1.0) >= 1.0
 
 
 def test_a_flush_pattern_has_one_front():
