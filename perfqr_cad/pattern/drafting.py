@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.connect import join
-from perfqr_cad.pattern.draft import Draft, link_corners
+from perfqr_cad.pattern.corners import link_corners
+from perfqr_cad.pattern.draft import Draft
 from perfqr_cad.pattern.finish import Job, finish, mended, numbered_pieces
 from perfqr_cad.pattern.lattice import Cells, draw, label
 from perfqr_cad.pattern.paper import join_paper

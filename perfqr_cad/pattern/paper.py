@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.pattern.bridge import Bridge
-from perfqr_cad.pattern.draft import Draft, paint_band, paint_strip, strip
+from perfqr_cad.pattern.corners import paint_band
+from perfqr_cad.pattern.draft import Draft, paint_strip, strip
 from perfqr_cad.pattern.lattice import Cells, Labels, label
 from perfqr_cad.pattern.sampling import brightness, sampled
 from perfqr_cad.symbol import Matrix, ReadabilityTracker, Symbol
