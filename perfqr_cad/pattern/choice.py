@@ -1,4 +1,4 @@
-"""Which drawing of a message needs the least work, and which readers a tone shuts out."""
+"""Which drawing of a message needs the least joining."""
 
 from __future__ import annotations
 
@@ -13,9 +13,6 @@ from perfqr_cad.symbol import Symbol
 MASKS = 8
 LINK_AREA = 0.27  # modules of area that a link at a corner paints, by a web of two thirds of a module
 ROUTE_AREA = 1.5  # the same for a route between islands
-
-# Readers that do not try the reversed picture: none of them read a flat code with its tones exchanged.
-BLIND_TO_REVERSED = ("zbar", "opencv", "jsQR", "rxing", "quirc")
 
 
 def easiest_mask(symbol: Symbol, spec: PatternSpec) -> Symbol:
@@ -40,15 +37,3 @@ def joining_area(symbol: Symbol, tone: Tone, quiet_modules: int = 4) -> float:
     for x, y in corners.tolist():
         linked[2 * y - 1 : 2 * y + 1, 2 * x - 1 : 2 * x + 1] = True
     return LINK_AREA * len(corners) + ROUTE_AREA * (label(linked)[1] - 1)
-
-
-def tone_warning(tone: Tone, light_material: bool) -> str | None:
-    """Who cannot read a part of a tone in a material, before a ground of the other shade; None: all can."""
-    if light_material == (tone == "normal"):
-        return None
-    shade, fit = ("light", "normal") if light_material else ("dark", "inverted")
-    readers = ", ".join(BLIND_TO_REVERSED)
-    return (
-        f"tone {tone} in a {shade} material shows the code reversed:"
-        f" {readers} cannot read it; use --tone {fit}"
-    )

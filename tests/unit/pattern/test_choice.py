@@ -1,11 +1,11 @@
-"""The choice of a mask, and the warning about tones."""
+"""The choice of a mask."""
 
 from dataclasses import replace
 
 import pytest
 
 from perfqr_cad.pattern import PatternSpec, build
-from perfqr_cad.pattern.choice import easiest_mask, joining_area, tone_warning
+from perfqr_cad.pattern.choice import easiest_mask, joining_area
 from perfqr_cad.symbol import encode, payload_of
 
 
@@ -26,10 +26,3 @@ def test_the_estimate_is_near_what_is_painted():
     assert joining_area(symbol, "normal") == pytest.approx(
         pattern.changed_area_mm2 / pattern.module_mm**2, rel=0.25
     )
-
-
-def test_only_reversed_pairings_are_warned_of():
-    assert tone_warning("normal", light_material=True) is None
-    assert tone_warning("inverted", light_material=False) is None
-    assert "zbar" in (tone_warning("inverted", light_material=True) or "")
-    assert "--tone inverted" in (tone_warning("normal", light_material=False) or "")
