@@ -217,7 +217,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             seed=request.seed,
             behind=_behind(target, solid, placement),
         )
-    _require_readable(report)
+    _require_readable(report, request.depth_mm)
     return Design(
         request,
         capture,
@@ -299,13 +299,16 @@ def _payload(symbol: Symbol) -> bytes:
     return payload_of(symbol).data
 
 
-def _require_readable(report: ScanReport) -> None:
+def _require_readable(report: ScanReport, depth_mm: float | None) -> None:
     """A part that no decoder reads is an error, not a warning."""
     if not report.readers:
         tried = ", ".join(report.decoders)
+        walls = (
+            "lower --thickness" if depth_mm is None else f"take pockets deeper than {depth_mm:g} mm (--depth)"
+        )
         raise DesignError(
             f"none of {len(report.decoders)} decoders ({tried}) reads the part from straight above: "
-            "raise --size or --level, or lower --thickness"
+            f"raise --size or --level, or {walls}"
         )
 
 
