@@ -92,9 +92,9 @@ def test_an_unknown_setting_is_named() -> None:
 
 def test_a_part_that_nobody_reads_is_an_error() -> None:
     blind = DecoderResult("zxing-cpp", (0.0,), (0.0,), (1.0,))
-    with pytest.raises(DesignError, match="none of 1 decoders .* lower --thickness"):
+    with pytest.raises(DesignError, match=r"none of 1 decoders .* lower --thickness"):
         _require_readable(ScanReport("a", {"zxing-cpp": blind}, {}), None)
-    with pytest.raises(DesignError, match="pockets deeper than 0.8 mm"):
+    with pytest.raises(DesignError, match=r"pockets deeper than 0\.8 mm"):
         _require_readable(ScanReport("a", {"zxing-cpp": blind}, {}), 0.8)
 
 
