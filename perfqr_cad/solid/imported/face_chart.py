@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from OCP.Geom import Geom_OffsetSurface
+from OCP.Geom import Geom_OffsetSurface, Geom_RectangularTrimmedSurface
 from OCP.gp import gp_Ax3, gp_Trsf, gp_Vec
 
 from perfqr_cad.pattern.outline import Segment
@@ -145,7 +145,8 @@ class FaceChart:
             shift = gp_Trsf()
             shift.SetTranslation(gp_Vec(x, y, z))
             return moved(self.front.surface, shift)
-        return Geom_OffsetSurface(self.front.surface, -depth_mm * self.front.outward_sign)
+        finite = Geom_RectangularTrimmedSurface(self.front.surface, *self.front.bounds)  # writers ask for it
+        return Geom_OffsetSurface(finite, -depth_mm * self.front.outward_sign)
 
     def _meet(self, uv: Array, depth_mm: float) -> tuple[Array, Array]:
         """Parameters and points of a level at pattern points; asked for twice, hence kept."""
