@@ -10,6 +10,8 @@ from perfqr_cad.pattern.outline import Point
 
 Stage = Literal["function", "connectivity", "structural"]
 
+LEAST_SLOT_MM = 0.4  # depth of the slot before a recessed bar; in a shallower one a bar is seen as if flush
+
 
 @dataclass(frozen=True, slots=True)
 class Bridge:

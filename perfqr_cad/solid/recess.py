@@ -15,11 +15,11 @@ import numpy as np
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern import Bridge
+from perfqr_cad.pattern.bridge import LEAST_SLOT_MM
 from perfqr_cad.pattern.outline import Line, Loop, Point, Segment
 
 from .chart import Level, Well
 
-LEAST_SLOT_MM = 0.4  # depth of the slot before a bar; in a shallower one a bar is seen as if it were flush
 CLEAR_MM = 1e-3  # between a bar's side and the ends of the edge that it stands on
 ON_EDGE_MM = 1e-6  # between the end of a bar and the edge that it stands on
 STEEP = 0.5  # least sine of the angle between a bar and its edge

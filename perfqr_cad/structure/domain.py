@@ -15,12 +15,12 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
 from perfqr_cad.errors import AnalysisError
+from perfqr_cad.pattern.bridge import LEAST_SLOT_MM
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
 
 SNAP_MM = 1e-4  # far below any printer, far above the rounding of a double at 1 m
-LEAST_SLOT_MM = 0.4  # before a recessed bar; a shallower slot is filled, as the solid does
 SPECK_FRACTION = 1e-6  # pieces below this share of the area are left-overs of snapping, not parts
 AREA_CHANGE_LIMIT = 0.02  # cleaning may move the outline, never remove a web
 
