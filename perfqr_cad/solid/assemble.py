@@ -29,7 +29,6 @@ from .walls import Walls
 # flared; elsewhere the fit of curves and offset surfaces.
 FLAT_VOLUME_TOL = 1e-9
 CURVED_VOLUME_TOL = 1e-6
-VOLUME_ACCURACY = 1e-10  # asked of the modeller's adaptive integration
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
@@ -121,12 +120,8 @@ def _stood(stands: Sections, placement: Placement, chord_mm: float) -> Solid:
     chart = chart_of(placement)
     with occ.kernel("building the solid", "simplify the outline or move the code to a smoother place"):
         shape = panel(stands, chart)
-        volume = occ.volume(shape)
+        volume = flux.volume_mm3(shape)
         expected = volume_mm3(stands.wells, placement)
-        # The quick rule is coarse on spline faces: oblique walls of a plate, perforated splines elsewhere.
-        if abs(volume - expected) > volume_tol * expected:
-            fine = placement.is_flat
-            volume = occ.volume(shape, VOLUME_ACCURACY) if fine else flux.volume_mm3(shape)
     _, back_mm = stands.between_mm
     triangles = triangulate(
         stands.wells, back_mm, placement.at_depth, tops=stands.tops, chord_mm=chord_mm, flat=placement.is_flat

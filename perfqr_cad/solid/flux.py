@@ -28,6 +28,9 @@ from .occ import EDGE, FACE, FORWARD, REVERSED, VERTEX, WIRE, Array, count, expl
 
 NODES = 8  # of the Gauss rule along an edge, exact to degree 15
 PANELS = 32  # across the face: longer edges run over many knots and are integrated in pieces
+SIDES = 4  # of a spline patch
+BOX_SLACK = 1e-9  # share of its parameters by which an outline may miss a border
+BOX_PANELS = 2  # each way across a patch
 TABLE = 161  # grid lines of G over the outlines: a quarter of a module, or less
 
 
@@ -35,13 +38,45 @@ def volume_mm3(shape: TopoDS_Shape) -> float:
     """Volume of a closed solid; negative when it is inside out."""
     faces = [TopoDS.Face_s(face) for face in explore(shape, FACE)]
     origin = BRep_Tool.Pnt_s(TopoDS.Vertex_s(explore(shape, VERTEX)[0]))  # near by: rounding stays small
-    return sum(_by_outlines(face, origin) if _is_sieve(face) else _by_rule(face, origin) for face in faces)
+    return sum(_through(face, origin) for face in faces)
 
 
-def _is_sieve(face: TopoDS_Face) -> bool:
-    """Whether the face is a spline with holes."""
-    splines = Geom_BSplineSurface | Geom_BezierSurface
-    return count(face, WIRE) > 1 and isinstance(BRep_Tool.Surface_s(face), splines)
+def _through(face: TopoDS_Face, origin: gp_Pnt) -> float:
+    """A third of the flux through a face, by what suits it."""
+    if isinstance(BRep_Tool.Surface_s(face), Geom_BSplineSurface | Geom_BezierSurface):
+        if count(face, WIRE) > 1:
+            return _by_outlines(face, origin)
+        if _fills_its_box(face):
+            return _by_box(face, origin)
+    return _by_rule(face, origin)
+
+
+def _fills_its_box(face: TopoDS_Face) -> bool:
+    """Whether a face has no outline but the four borders of its spline, as walls ruled between edges have."""
+    edges = [TopoDS.Edge_s(edge) for edge in explore(face, EDGE)]
+    if len(edges) != SIDES:
+        return False
+    u0, u1, v0, v1 = BRep_Tool.Surface_s(face).Bounds()
+    slack = BOX_SLACK * np.array([u1 - u0, v1 - v0])
+    for edge in edges:
+        first, last = BRep_Tool.Range_s(edge, face)
+        image = BRep_Tool.CurveOnSurface_s(edge, face, 0.0, 0.0)
+        at = np.array([image.Value(t).Coord() for t in np.linspace(first, last, 3)])
+        if not any((abs(at - corner) <= slack).all(axis=0).any() for corner in ((u0, v0), (u1, v1))):
+            return False
+    return True
+
+
+def _by_box(face: TopoDS_Face, origin: gp_Pnt) -> float:
+    """A third of the flux through a whole spline patch: Gauss nodes across its parameters."""
+    surface = BRep_Tool.Surface_s(face)
+    u0, u1, v0, v1 = surface.Bounds()
+    node, weight = _rule(BOX_PANELS)
+    uv = np.stack(np.meshgrid(u0 + node * (u1 - u0), v0 + node * (v1 - v0), indexing="ij"), axis=-1)
+    point, along_u, along_v = evaluator(surface)(uv.reshape(-1, 2), FIRST)
+    density = np.einsum("ki,ki->k", point - np.array(origin.Coord()), np.cross(along_u, along_v))
+    flux = float(density @ np.outer(weight, weight).ravel()) * (u1 - u0) * (v1 - v0)
+    return (-flux if face.Orientation() == REVERSED else flux) / 3
 
 
 def _by_rule(face: TopoDS_Face, origin: gp_Pnt) -> float:

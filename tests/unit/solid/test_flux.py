@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from OCP.TopoDS import TopoDS
 
-from perfqr_cad.pattern.outline import Circle, Loop, Region
+from perfqr_cad.pattern.outline import Bezier, Circle, Loop, Region
 from perfqr_cad.solid import occ
 from perfqr_cad.solid.assemble import build_region
-from perfqr_cad.solid.flux import volume_mm3
+from perfqr_cad.solid.flux import _fills_its_box, volume_mm3
 from perfqr_cad.solid.punch import solid_of
+from perfqr_cad.solid.walls import Walls
 from perfqr_cad.surface import HeightField, Plane, Sphere
 
 HOLES = (
@@ -29,6 +30,22 @@ def test_a_plate_is_area_times_thickness():
 @pytest.mark.parametrize("surface", [WAVE, Sphere(30.0, 1.5)], ids=["spline faces", "elementary faces"])
 def test_a_curved_panel_has_the_volume_that_the_modeller_finds_adaptively(surface):
     shape = build_region(REGION, surface).shape
+    assert volume_mm3(shape) == pytest.approx(occ.volume(shape, 1e-9), rel=2e-7)
+
+
+def test_ruled_walls_are_integrated_over_their_whole_patch():
+    drop = Loop((Bezier((0, 2), (2, 2), (2, -2), (0, -2)), Bezier((0, -2), (-2, -2), (-2, 2), (0, 2))))
+    region = Region(REGION.outer, (drop.oriented(ccw=False),))
+    shape = build_region(region, Plane(1.5), Walls(draft_deg=10)).shape
+    patches = [face for face in map(TopoDS.Face_s, occ.explore(shape, occ.FACE)) if _fills_its_box(face)]
+    assert len(patches) == 2
+    assert volume_mm3(shape) == pytest.approx(occ.volume(shape, 1e-10), rel=1e-9)
+
+
+def test_a_part_of_a_spline_is_no_whole_patch():
+    shape = build_region(Region(REGION.outer, ()), WAVE).shape
+    front, *_ = map(TopoDS.Face_s, occ.explore(shape, occ.FACE))
+    assert not _fills_its_box(front)
     assert volume_mm3(shape) == pytest.approx(occ.volume(shape, 1e-9), rel=2e-7)
 
 
