@@ -139,7 +139,7 @@ def _loop(pattern: Pattern, solver: str) -> tuple[float, float]:
     bars = lattice_candidates(pattern, (pattern.spec.web_mm,))
     rows = np.linspace(0, len(bars) - 1, BRIDGES).astype(int)
     columns = [couplings(analysis.model, bars.take(row[None])) for row in rows]
-    laid_s, _ = _timed(lambda: [analysis.add(column) for column in columns])
+    laid_s, _ = _timed(lambda: [analysis.add(analysis.respond(column)) for column in columns])
     return again_s, laid_s / BRIDGES
 
 

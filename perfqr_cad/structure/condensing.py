@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 from scipy.linalg import cho_factor, cho_solve
 
 from perfqr_cad.errors import AnalysisError
@@ -89,6 +91,7 @@ class Condensed:
                 )
         kept = np.unique(np.concatenate([elements.ravel() for elements, _ in groups]))
         self._kept = (kept[:, None] * d + np.arange(d)).ravel()
+        self._unknowns = len(structure.fixed)
         groups = [(np.searchsorted(kept, elements), matrices) for elements, matrices in groups]
         self._factor = factorise(lower_triangle(groups, d, structure.fixed[self._kept]), solver)
         self.name = self._factor.name
@@ -113,6 +116,76 @@ class Condensed:
             inside = right[kind.inner[rows]]
             total += np.einsum("tbk,tbk->k", inside, np.matmul(kind.flexibility, inside))
         return total
+
+    def onto_seams(self, forces: sp.csc_matrix) -> sp.csc_matrix:
+        """See `solvers.Factor`."""
+        rows = np.unique(forces.indices)
+        return sp.csc_matrix(self._influence(rows).T @ forces.tocsr()[rows])
+
+    def solve_seams(self, felt: Floats) -> Floats:
+        """See `solvers.Factor`."""
+        return self._factor.solve(felt)
+
+    def from_seams(self, motion: Floats, forces: Floats) -> Floats:
+        """See `solvers.Factor`."""
+        out = np.zeros(self._unknowns)
+        out[self._kept] = motion
+        for kind in self._kinds:
+            inside = -out[kind.seam] @ kind.follow.T
+            rows = np.flatnonzero(forces[kind.inner].any(axis=1))
+            inside[rows] += forces[kind.inner[rows]] @ kind.flexibility
+            out[kind.inner] = inside
+        return out
+
+    def inside(self, left: sp.csc_matrix, right: sp.csc_matrix) -> Floats:
+        """See `solvers.Factor`."""
+        rows, columns = np.unique(left.indices), np.unique(right.indices)
+        alike = (self._tiles_of(rows) @ self._tiles_of(columns).T).tocoo()
+        first, second = rows[alike.row], columns[alike.col]
+        kind_of, _, position = self._homes
+        values = np.empty(len(first))
+        for number, kind in enumerate(self._kinds):
+            mine = kind_of[first] == number
+            values[mine] = kind.flexibility[position[first[mine]], position[second[mine]]]
+        flexibility = sp.csr_matrix((values, (alike.row, alike.col)), shape=(len(rows), len(columns)))
+        return (left.tocsr()[rows].T @ (flexibility @ right.tocsr()[columns])).toarray()
+
+    @cached_property
+    def _homes(self) -> Ints:
+        """Of each unknown (3, n): kind of tile or -1, tile among all kinds', position in it."""
+        homes = np.full((3, self._unknowns), -1)
+        first = 0
+        for number, kind in enumerate(self._kinds):
+            tiles, inner = kind.inner.shape
+            homes[0, kind.inner] = number
+            homes[1, kind.inner] = first + np.arange(tiles)[:, None]
+            homes[2, kind.inner] = np.arange(inner)
+            first += tiles
+        return homes
+
+    def _tiles_of(self, rows: Ints) -> sp.csr_matrix:
+        """Which tile each of some unknowns is inside of: ones in a matrix (rows, tiles)."""
+        tile = self._homes[1, rows]
+        inner = np.flatnonzero(tile >= 0)
+        tiles = sum(len(kind.inner) for kind in self._kinds)
+        return sp.csr_matrix((np.ones(len(inner)), (inner, tile[inner])), shape=(len(rows), tiles))
+
+    def _influence(self, rows: Ints) -> sp.csr_matrix:
+        """How some unknowns move with those on seams, (rows, s)."""
+        kind_of, tile, position = self._homes[:, rows]
+        places = np.searchsorted(self._kept, rows)
+        kept = np.flatnonzero(self._kept[np.minimum(places, len(self._kept) - 1)] == rows)
+        row, column, value = [kept], [places[kept]], [np.ones(len(kept))]
+        first = 0
+        for number, kind in enumerate(self._kinds):
+            mine = np.flatnonzero(kind_of == number)
+            seam = kind.seam[tile[mine] - first]
+            row.append(np.repeat(mine, seam.shape[1]))
+            column.append(np.searchsorted(self._kept, seam).ravel())
+            value.append(-kind.follow[position[mine]].ravel())
+            first += len(kind.inner)
+        entries = np.concatenate(value), (np.concatenate(row), np.concatenate(column))
+        return sp.csr_matrix(entries, shape=(len(rows), len(self._kept)))
 
     def _onto_seams(self, right: Floats) -> tuple[Floats, list[Ints]]:
         """Right-hand sides as the seams feel them, and the tiles of each kind with any of it inside."""

@@ -19,7 +19,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.structure.bars import bar_tensors, couplings
 from perfqr_cad.structure.candidates import Candidates, lattice_candidates
 from perfqr_cad.structure.measure import von_mises
-from perfqr_cad.structure.reanalysis import Reanalysis, stress_operator
+from perfqr_cad.structure.reanalysis import Reanalysis, Response, stress_operator
 from perfqr_cad.structure.t6 import Floats, Ints
 
 if TYPE_CHECKING:
@@ -29,7 +29,6 @@ WIDTHS_IN_WEBS = (1.0, 1.5)
 NORM = 12  # exponent of the mean that stands for the largest stress while bars are ranked
 SHORT_LIST = 32  # bars compared exactly in a round
 PROBES = 8  # bars whose exact flexibility stands for all in the ranking
-NONE = np.zeros((0, 0))
 TENSOR = 5  # components of a stress tensor here
 PER_ROUND = 16  # bars laid in a round at most
 MOST_ROUNDS = 6  # between two conforming meshes
@@ -88,7 +87,7 @@ class OptimalChoice:
         stresses: list[float] = []
         bridged = pattern
         for _ in range(MOST_ROUNDS):
-            chosen, flexibility = self._round(analysis, bars, coupling, open_rows, price)
+            chosen, response = self._round(analysis, bars, coupling, open_rows, price)
             if not chosen:
                 break
             wanted: dict[Bridge, int] = {}
@@ -102,8 +101,7 @@ class OptimalChoice:
                 continue
             laid += added
             rows = [wanted[bridge] for bridge in added]
-            known = np.concatenate([flexibility[:, chosen[row]] for row in rows], axis=1)
-            analysis.add(_columns(coupling, rows, len(bars)), known)
+            analysis.add(response.take(np.concatenate([chosen[row] for row in rows])))
             stresses.append(analysis.largest)
             if stresses[-1] <= AIM * self._limit:
                 break
@@ -149,30 +147,31 @@ class OptimalChoice:
         coupling: sp.csc_matrix,
         open_rows: NDArray[np.bool_],
         price: Floats,
-    ) -> tuple[dict[int, slice], Floats]:
-        """Bars worth laying together now, best first, and the columns of each in K0⁻¹ C of those compared."""
+    ) -> tuple[dict[int, Ints], Response]:
+        """Bars worth laying together now, best first, and the columns of each in the response."""
         hot, measure = analysis.hot_places
+        nothing: dict[int, Ints] = {}
         if measure[0] <= AIM * self._limit or not open_rows.any():
-            return {}, NONE
+            return nothing, analysis.respond(_columns(coupling, [], len(bars)))
         operator = stress_operator(analysis.model, analysis.discs, hot)
         now = operator @ analysis.displacement
         adjoint = analysis.solve(np.where(analysis.model.fixed, 0.0, operator.T @ _gradient(now, len(hot))))
         short = self._short_list(analysis, coupling, adjoint, price, open_rows)
-        if not len(short):
-            return {}, NONE
         columns = _columns(coupling, short.tolist(), len(bars))
-        flexible = analysis.unbridged(columns)
+        response = analysis.respond(columns)
+        if not len(short):
+            return nothing, response
         modes = (len(coupling.indptr) - 1) // len(bars)
         own = bar_tensors(analysis.model.section, analysis.model.wall_mm, bars.take(short), modes)
         exact = _Round(
             now=now,
-            relief=analysis.between(operator, flexible),
-            flexibility=analysis.between(sp.csr_matrix(columns.T), flexible),
+            relief=analysis.between(sp.csc_matrix(operator.T), response),
+            flexibility=analysis.between(response.coupling, response),
             strain=columns.T @ analysis.displacement,
             bar_tensors=own,
         )
         chosen = self._greedy(exact, price[short])
-        return {int(short[k]): slice(k * modes, (k + 1) * modes) for k in chosen}, flexible
+        return {int(short[k]): k * modes + np.arange(modes) for k in chosen}, response
 
     def _short_list(
         self,
@@ -201,8 +200,8 @@ class OptimalChoice:
             rows = np.flatnonzero(open_rows)
             sample = rows[np.linspace(0, len(rows) - 1, min(PROBES, len(rows))).astype(int)]
             columns = _columns(coupling, sample.tolist(), len(open_rows))
-            own = columns.multiply(analysis.solve(columns.toarray())).sum(axis=0)
-            self._host = np.median(np.asarray(own).reshape(-1, modes), axis=0)
+            own = np.diag(analysis.between(columns, analysis.respond(columns)))
+            self._host = np.median(own.reshape(-1, modes), axis=0)
         return self._host
 
     def _greedy(self, exact: _Round, price: Floats) -> list[int]:
@@ -275,7 +274,7 @@ def _with_those_that_fit(pattern: Pattern, bridges: list[Bridge]) -> tuple[Patte
 def _columns(coupling: sp.csc_matrix, rows: list[int], count: int) -> sp.csc_matrix:
     """The columns of C that belong to some bars."""
     modes = (len(coupling.indptr) - 1) // count
-    return sp.csc_matrix(coupling[:, (np.array(rows)[:, None] * modes + np.arange(modes)).ravel()])
+    return sp.csc_matrix(coupling[:, (np.array(rows, np.int64)[:, None] * modes + np.arange(modes)).ravel()])
 
 
 def _in_the_way(bars: Candidates, row: int, gap_mm: float) -> NDArray[np.bool_]:

@@ -47,7 +47,7 @@ class PaperChoice:
             if found is None:
                 break
             pattern, bridge, coupling = found
-            analysis.add(coupling)
+            analysis.add(analysis.respond(coupling))
             bridges.append(bridge)
             stresses.append(analysis.largest)
             if stresses[-1] <= limit_mpa:

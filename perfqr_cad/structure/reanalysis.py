@@ -1,13 +1,14 @@
 """One factorisation, many bridges: each is a low-rank update, by Woodbury's identity small matrices.
 
 With K = K0 + C Cᵀ and Z0 = K0⁻¹ C, each product with K⁻¹ is one with K0⁻¹ and a correction of the size of
-the bridges. Nothing is meshed or factorised while bridges are tried; a conforming mesh confirms them at the
-end.
+the bridges. Of Z0 only what the seams between tiles do is kept (see `condensing`). Nothing is meshed or
+factorised while bridges are tried; a conforming mesh confirms them at the end.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,7 +21,23 @@ from perfqr_cad.structure.t6 import Floats, Ints
 
 HOT_SHARE = 0.6  # of the largest stress: places that are watched while bridges are tried
 HOT_MOST = 400
-FIRST_ROOM = 64  # columns of Z0 before room is made for more
+
+
+@dataclass(frozen=True)
+class Response:
+    """What bars with coupling C (n, k) feel and do on the seams: C as felt there (s, k), and its motion."""
+
+    coupling: sp.csc_matrix
+    felt: sp.csc_matrix
+    motion: Floats
+
+    def take(self, columns: Ints) -> Response:
+        """That of some columns of C."""
+        return Response(
+            sp.csc_matrix(self.coupling[:, columns]),
+            sp.csc_matrix(self.felt[:, columns]),
+            self.motion[:, columns],
+        )
 
 
 class Reanalysis:
@@ -31,74 +48,70 @@ class Reanalysis:
         self.discs = Discs(model.mesh, nozzle_mm)
         self._factor = factor
         self._base = factor.solve(np.where(model.fixed, 0.0, forces))
-        unknowns = len(forces)
-        self._couplings: sp.csc_matrix = sp.csc_matrix((unknowns, 0))
-        self._room: Floats = np.empty((unknowns, FIRST_ROOM), order="F")  # Z0 and columns to come
+        self._laid = self.respond(sp.csc_matrix((len(forces), 0)))
         self._small: Floats = np.zeros((0, 0))  # 1 + CᵀZ0
         self.displacement = self._base
         self._hot: tuple[Ints, Floats] | None = None
 
     def solve(self, right: Floats) -> Floats:
-        """K⁻¹ of one or several right-hand sides, bridges included."""
+        """K⁻¹ of a right-hand side, bridges included."""
         return self._corrected(self._factor.solve(right))
 
-    @property
-    def _flexibility(self) -> Floats:
-        """Z0 (n, modes)."""
-        return self._room[:, : self.modes]
+    def respond(self, coupling: sp.csc_matrix) -> Response:
+        """What bridges by themselves do, without those laid."""
+        felt = self._factor.onto_seams(coupling)
+        motion = self._factor.solve_seams(felt.toarray()) if felt.shape[1] else felt.toarray()
+        return Response(coupling, felt, motion)
 
-    @property
-    def modes(self) -> int:
-        """Columns of C laid so far."""
-        return len(self._couplings.indptr) - 1
-
-    def unbridged(self, coupling: sp.csc_matrix) -> Floats:
-        """Z = K0⁻¹ C (n, modes) of bridges by themselves."""
-        return self._factor.solve(coupling.toarray())
-
-    def between(self, left: sp.csr_matrix, flexibility: Floats) -> Floats:
-        """A K⁻¹ C for rows A (r, n), laid bridges included, given K0⁻¹ C."""
-        alone = left @ flexibility
-        if not self.modes:
+    def between(self, left: sp.csc_matrix, response: Response) -> Floats:
+        """Aᵀ K⁻¹ C for columns A (n, r), laid bridges included."""
+        alone = self._alone(left, response)
+        if not len(self._small):
             return alone
-        amplitudes = np.linalg.solve(self._small, self._couplings.T @ flexibility)
-        return alone - (left @ self._flexibility) @ amplitudes
+        amplitudes = np.linalg.solve(self._small, self._alone(self._laid.coupling, response))
+        return alone - self._alone(left, self._laid) @ amplitudes
 
-    def add(self, coupling: sp.csc_matrix, flexibility: Floats | None = None) -> None:
-        """Lay bridges for good; C (n, modes) of them all, and K0⁻¹ C where it is known."""
-        if flexibility is None:
-            flexibility = self.unbridged(coupling)
-        before, after = self.modes, self.modes + flexibility.shape[1]
-        if after > self._room.shape[1]:
-            room = np.empty((len(self._base), 2 * after), order="F")
-            room[:, :before] = self._flexibility
-            self._room = room
-        self._room[:, before:after] = flexibility
-        self._couplings = sp.csc_matrix(sp.hstack([self._couplings, coupling]))
-        own = self._couplings.T @ flexibility  # the rest of CᵀZ0 is known, and it is symmetric
-        small = np.eye(after)
-        small[:before, :before] = self._small
-        small[:, before:] += own
-        small[before:, :before] += own[:before].T
-        self._small = small
+    def add(self, response: Response) -> None:
+        """Lay bridges for good."""
+        own = self._alone(response.coupling, response)
+        cross = self._alone(self._laid.coupling, response)
+        self._small = np.block([[self._small, cross], [cross.T, np.eye(len(own)) + own]])
+        self._laid = Response(
+            sp.csc_matrix(sp.hstack([self._laid.coupling, response.coupling])),
+            sp.csc_matrix(sp.hstack([self._laid.felt, response.felt])),
+            np.concatenate([self._laid.motion, response.motion], axis=1),
+        )
         self.displacement = self._corrected(self._base)
         self._hot = None
 
     def subset(self, operator: sp.csr_matrix) -> Callable[[NDArray[np.bool_]], Floats]:
         """What an operator sees of the displacement if only some of the laid modes were there, by flags."""
-        base, relief = operator @ self._base, operator @ self._flexibility
-        flexibility, strain = self._couplings.T @ self._flexibility, self._couplings.T @ self._base
+        base, relief = operator @ self._base, self._alone(sp.csc_matrix(operator.T), self._laid)
+        strain = self._laid.coupling.T @ self._base
 
         def seen(kept: NDArray[np.bool_]) -> Floats:
-            small = np.eye(int(kept.sum())) + flexibility[np.ix_(kept, kept)]
+            small = self._small[np.ix_(kept, kept)]
             return base - relief[:, kept] @ np.linalg.solve(small, strain[kept])
 
         return seen
 
+    @property
+    def modes(self) -> int:
+        """Columns of C laid so far."""
+        return len(self._small)
+
+    def _alone(self, left: sp.csc_matrix, response: Response) -> Floats:
+        """Aᵀ K0⁻¹ C, (r, k)."""
+        felt = response.felt if left is response.coupling else self._factor.onto_seams(left)
+        return felt.T @ response.motion + self._factor.inside(left, response.coupling)
+
     def _corrected(self, unbridged: Floats) -> Floats:
+        """K⁻¹ f (n,) given K0⁻¹ f."""
         if not self.modes:
             return unbridged
-        return unbridged - self._flexibility @ np.linalg.solve(self._small, self._couplings.T @ unbridged)
+        amplitudes = np.linalg.solve(self._small, self._laid.coupling.T @ unbridged)
+        forces = self._laid.coupling @ amplitudes
+        return unbridged - self._factor.from_seams(self._laid.motion @ amplitudes, forces)
 
     @property
     def hot_places(self) -> tuple[Ints, Floats]:

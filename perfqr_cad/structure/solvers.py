@@ -6,6 +6,7 @@ SciPy, is the fallback. A field names the one that ran.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from functools import cache
 from importlib import import_module
 from types import ModuleType
@@ -34,8 +35,52 @@ class Factor(Protocol):
         """fᵀ K⁻¹ f (k,) of each of several right-hand sides (n, k)."""
         ...
 
+    def onto_seams(self, forces: sp.csc_matrix) -> sp.csc_matrix:
+        """Few forces (n, k) as the s unknowns that were factorised feel them, (s, k)."""
+        ...
 
-class Cholmod:
+    def solve_seams(self, felt: Floats) -> Floats:
+        """The motion of those unknowns under what they feel, (s, k)."""
+        ...
+
+    def from_seams(self, motion: Floats, forces: Floats) -> Floats:
+        """The whole solution (n,) from theirs (s,) and the forces (n,)."""
+        ...
+
+    def inside(self, left: sp.csc_matrix, right: sp.csc_matrix) -> Floats:
+        """leftᵀ K⁻¹ right (r, k) of few forces (n, r) and (n, k) while those unknowns are held."""
+        ...
+
+
+class _Whole(ABC):
+    """A factor of all unknowns: none are left inside."""
+
+    @abstractmethod
+    def solve(self, right: Floats) -> Floats:
+        """See `Factor`."""
+
+    def work(self, right: Floats) -> Floats:
+        """See `Factor`."""
+        return np.einsum("nk,nk->k", right, self.solve(right))
+
+    def onto_seams(self, forces: sp.csc_matrix) -> sp.csc_matrix:
+        """See `Factor`."""
+        return forces
+
+    def solve_seams(self, felt: Floats) -> Floats:
+        """See `Factor`."""
+        return self.solve(felt)
+
+    def from_seams(self, motion: Floats, forces: Floats) -> Floats:
+        """See `Factor`."""
+        return motion
+
+    def inside(self, left: sp.csc_matrix, right: sp.csc_matrix) -> Floats:
+        """See `Factor`."""
+        return np.zeros((left.shape[1], right.shape[1]))
+
+
+class Cholmod(_Whole):
     """Sparse Cholesky by CHOLMOD, given the lower triangle."""
 
     name = "CHOLMOD"
@@ -52,12 +97,8 @@ class Cholmod:
         """See `Factor`."""
         return self._factor(right)
 
-    def work(self, right: Floats) -> Floats:
-        """See `Factor`."""
-        return np.einsum("nk,nk->k", right, self.solve(right))
 
-
-class SuperLU:
+class SuperLU(_Whole):
     """Sparse LU by SuperLU in its symmetric mode, given the lower triangle."""
 
     name = "SuperLU"
@@ -80,10 +121,6 @@ class SuperLU:
     def solve(self, right: Floats) -> Floats:
         """See `Factor`."""
         return self._factor.solve(np.asarray(right))
-
-    def work(self, right: Floats) -> Floats:
-        """See `Factor`."""
-        return np.einsum("nk,nk->k", right, self.solve(right))
 
 
 @cache

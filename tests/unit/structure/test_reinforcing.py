@@ -7,13 +7,14 @@ import scipy.sparse as sp
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.structure import MATERIALS, Pressure, Reinforcement, Support, plate, reinforce, shell
-from perfqr_cad.structure.analysis import prepare
+from perfqr_cad.structure.analysis import lattice_of, prepare
 from perfqr_cad.structure.assembly import System
 from perfqr_cad.structure.bars import couplings
 from perfqr_cad.structure.candidates import Candidates, coverage, lattice_candidates
 from perfqr_cad.structure.measure import von_mises
 from perfqr_cad.structure.reanalysis import Reanalysis, stress_operator
 from perfqr_cad.structure.solvers import factorise
+from perfqr_cad.structure.tiling import Lattice
 from perfqr_cad.surface import Cylinder, Placement, Plane
 from perfqr_cad.symbol import encode, layout
 from perfqr_cad.symbol.layout import Role
@@ -32,7 +33,9 @@ def bars() -> Candidates:
     return lattice_candidates(pattern(), (pattern().spec.web_mm,))
 
 
-def begin(placement: Placement | None = None, solver: str | None = None) -> Reanalysis:
+def begin(
+    placement: Placement | None = None, solver: str | None = None, lattice: Lattice | None = None
+) -> Reanalysis:
     size = pattern().module_mm
     model = prepare(
         pattern().polygon,
@@ -42,6 +45,7 @@ def begin(placement: Placement | None = None, solver: str | None = None) -> Rean
         nozzle_mm=0.4,
         mesh_size_mm=size,
         corner_size_mm=size,
+        lattice=lattice,
     )
     return Reanalysis(model, model.factorise(solver), model.pressure_forces(1e-3), 0.4)
 
@@ -81,8 +85,11 @@ def test_coverage_of_a_bar_along_a_module_edge_and_through_a_centre() -> None:
 
 @pytest.mark.parametrize("placement", [Plane(2.0), Cylinder(60.0, 2.0)])
 @pytest.mark.parametrize("solver", ["SuperLU", None])
-def test_low_rank_update_is_the_direct_solution(placement: Placement, solver: str | None) -> None:
-    analysis = begin(placement, solver)
+@pytest.mark.parametrize("tiled", [True, False])
+def test_low_rank_update_is_the_direct_solution(
+    placement: Placement, solver: str | None, tiled: bool
+) -> None:
+    analysis = begin(placement, solver, lattice_of(pattern()) if tiled else None)
     model = analysis.model
     some = bars().take(np.arange(0, len(bars()), len(bars()) // 3)[:3])
     coupling = couplings(model, some)
@@ -94,9 +101,20 @@ def test_low_rank_update_is_the_direct_solution(placement: Placement, solver: st
     direct = factorise((lower + sp.tril(coupling @ coupling.T, format="csc")).tocsc(), solver)
     forces = np.where(model.fixed, 0.0, model.pressure_forces(1e-3))
     for part in (coupling[:, : coupling.shape[1] // 3], coupling[:, coupling.shape[1] // 3 :]):
-        analysis.add(part)
+        analysis.add(analysis.respond(part))
     exact = direct.solve(forces)
     assert analysis.displacement == pytest.approx(exact, abs=1e-8 * np.abs(exact).max())
+
+
+def test_response_of_bars_is_the_same_on_seams_as_everywhere() -> None:
+    analysis = begin(lattice=lattice_of(pattern()))
+    model = analysis.model
+    coupling = couplings(model, bars().take(np.arange(0, len(bars()), 7)))
+    operator = stress_operator(model, analysis.discs, analysis.hot_places[0][:20])
+    whole = model.factorise().solve(coupling.toarray())
+    found = analysis.between(sp.csc_matrix(operator.T), analysis.respond(coupling))
+    expected = operator @ whole
+    assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("placement", [Plane(2.0), Cylinder(60.0, 2.0)])
