@@ -8,6 +8,7 @@ import shutil
 import subprocess
 from dataclasses import dataclass, replace
 from html.parser import HTMLParser
+from types import SimpleNamespace
 from typing import Any
 
 import cv2
@@ -17,7 +18,7 @@ import pytest
 from perfqr_cad.export import report
 from perfqr_cad.pattern import Bridge
 from perfqr_cad.scan import DecoderResult, ScanReport, Sight
-from perfqr_cad.structure import Reinforcement, StressField
+from perfqr_cad.structure import Reinforcement
 from perfqr_cad.symbol import Matrix, encode
 
 from .conftest import Drawn
@@ -132,13 +133,14 @@ def test_a_link_that_has_not_run_is_said_to_be_missing(design, tmp_path):
 
 
 def field(stress_mpa):
+    """What the page reads of a stress field: two triangles over a square, the measure at their corners."""
     nodes = np.array([[-10.0, -10.0], [10.0, -10.0], [10.0, 10.0], [-10.0, 10.0]])
-    flat = np.column_stack([nodes, np.zeros(4)])
     largest = float(stress_mpa.max())
-    return StressField(
-        nodes, flat, np.array([[0, 1, 2], [0, 2, 3]]), flat * 0.0, np.linspace(0, -0.1, 4), stress_mpa,
-        largest, (10.0, 10.0), largest, 0.4, 0.1, (-10.0, 10.0), 2.0, 5.0, (0, 0, 1), (0, 0, -1), 0.0,
-        "PLA", "clamped", 1.2, 1.0, 12, "direct",
+    return SimpleNamespace(
+        uv_mm=nodes, triangles=np.array([[0, 1, 2], [0, 2, 3]]), von_mises_mpa=stress_mpa,
+        deflection_mm=np.linspace(0, -0.1, 4), max_stress_mpa=largest, max_stress_at_mm=(10.0, 10.0),
+        max_deflection_mm=0.1, max_deflection_at_mm=(-10.0, 10.0), yield_mpa=2.0, mass_g=5.0,
+        safety_factor=2.0 / largest, material="PLA",
     )  # fmt: skip
 
 

@@ -68,18 +68,23 @@ def test_a_mesh_has_the_same_bars():
     assert flush.volume_mm3 - solid.volume_mm3 == pytest.approx(slots_mm3(2.0), rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("walls", "thickness_mm", "reason"),
-    [(Walls(depth_mm=0.8), 2.0, "behind pockets"), (Walls(), 0.9, "no slot")],
-    ids=["pockets", "thin"],
-)
-def test_bars_are_flush_where_there_is_no_room(walls, thickness_mm, reason):
-    target = ImportedFace.of(
-        Box(50, thickness_mm, 50), point=(0, -thickness_mm / 2, 0), depth_mm=walls.depth_mm
-    )
-    solid = target.solid(pattern("recessed"), target.placement(SIZE_MM), walls)
-    assert reason in solid.notes[0]
+def test_bars_are_flush_where_there_is_no_room():
+    thin = 0.7
+    target = ImportedFace.of(Box(50, thin, 50), point=(0, -thin / 2, 0))
+    solid = target.solid(pattern("recessed"), target.placement(SIZE_MM), Walls())
+    assert "no slot" in solid.notes[0]
     assert solid.valid
+
+
+def test_rings_in_pockets_stand_on_the_floor():
+    walls = Walls(depth_mm=0.8)
+    target = ImportedFace.of(Box(50, 2, 50), point=(0, -1, 0), depth_mm=walls.depth_mm)
+    solid = target.solid(pattern("recessed"), target.placement(SIZE_MM), walls)
+    assert solid.notes == ()
+    assert solid.valid
+    assert solid.solids == 1
+    cut = SIZE_MM**2 - sum(region.area for region in pattern("recessed").front)
+    assert solid.volume_mm3 == pytest.approx(50 * 2 * 50 - 0.8 * cut, rel=1e-6)
 
 
 def test_dark_material_leaves_no_light_margin_in_a_wall():
