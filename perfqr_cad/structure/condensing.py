@@ -119,7 +119,7 @@ class Condensed:
 
     def onto_seams(self, forces: sp.csc_matrix) -> sp.csc_matrix:
         """See `solvers.Factor`."""
-        rows = np.unique(forces.indices)
+        rows = _used(forces)
         return sp.csc_matrix(self._influence(rows).T @ forces.tocsr()[rows])
 
     def solve_seams(self, felt: Floats) -> Floats:
@@ -139,7 +139,7 @@ class Condensed:
 
     def inside(self, left: sp.csc_matrix, right: sp.csc_matrix) -> Floats:
         """See `solvers.Factor`."""
-        rows, columns = np.unique(left.indices), np.unique(right.indices)
+        rows, columns = _used(left), _used(right)
         alike = (self._tiles_of(rows) @ self._tiles_of(columns).T).tocoo()
         first, second = rows[alike.row], columns[alike.col]
         kind_of, _, position = self._homes
@@ -198,6 +198,11 @@ class Condensed:
             onto = np.matmul(kind.follow.T, right[kind.inner[rows]])
             np.subtract.at(felt, kind.seam[rows].ravel(), onto.reshape(-1, right.shape[1]))
         return felt[self._kept], pushed
+
+
+def _used(matrix: sp.csc_matrix) -> Ints:
+    """Rows of a matrix that hold anything, in order."""
+    return np.unique(matrix.indices).astype(np.int64)
 
 
 def _alike(shared: Flags, held: Flags) -> Iterator[Ints]:

@@ -60,7 +60,7 @@ class Reanalysis:
     def respond(self, coupling: sp.csc_matrix) -> Response:
         """What bridges by themselves do, without those laid."""
         felt = self._factor.onto_seams(coupling)
-        motion = self._factor.solve_seams(felt.toarray()) if felt.shape[1] else felt.toarray()
+        motion = self._factor.solve_seams(felt.toarray()) if felt.nnz else felt.toarray()
         return Response(coupling, felt, motion)
 
     def between(self, left: sp.csc_matrix, response: Response) -> Floats:

@@ -77,7 +77,7 @@ class _Whole(ABC):
 
     def inside(self, left: sp.csc_matrix, right: sp.csc_matrix) -> Floats:
         """See `Factor`."""
-        return np.zeros((left.shape[1], right.shape[1]))
+        return np.zeros_like((left.T @ right).toarray())
 
 
 class Cholmod(_Whole):
