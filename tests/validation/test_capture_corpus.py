@@ -1,6 +1,6 @@
 """The payloads of codes by third-party generators, and of the shared pictures when they are at hand.
 
-Generators: QRtsy, pyqart, qrcode-artistic, qrcode[pil] and segno (PyPI). Photographs: the black-box tests of
+Generators: QRtsy, pyqart, qrcode-artistic, qrcode[pil] and segno. Photographs: the black-box tests of
 zxing (Apache-2.0), with their ground truth beside them.
 """
 
