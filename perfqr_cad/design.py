@@ -12,12 +12,14 @@ from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from perfqr_cad import terms
 from perfqr_cad.errors import DesignError
 from perfqr_cad.progress import tell
 from perfqr_cad.request import Request
+from perfqr_cad.site import Sheet as Sheet
+from perfqr_cad.site import Target, behind, dressed, plate
 
 if TYPE_CHECKING:
     import build123d
@@ -27,58 +29,10 @@ if TYPE_CHECKING:
     from perfqr_cad.export import FileRecord
     from perfqr_cad.pattern import Pattern, PatternSpec
     from perfqr_cad.scan import ScanReport
-    from perfqr_cad.solid import Backing, Caption, Solid, Walls
+    from perfqr_cad.solid import Solid
     from perfqr_cad.structure import Reinforcement, SolidCheck, StressField
-    from perfqr_cad.surface import Placement, Triangles
+    from perfqr_cad.surface import Placement
     from perfqr_cad.symbol import Level, Symbol
-
-
-class Target(Protocol):
-    """What the code is carved into."""
-
-    @property
-    def behind(self) -> Triangles | None:
-        """A dark body that the finished part sits on and that is seen through its holes, or None."""
-        ...
-
-    def placement(self, size_mm: float) -> Placement:
-        """Where a code of this edge (with quiet zone and frame) lies. `DesignError` when it does not fit."""
-        ...
-
-    def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
-        """The finished part."""
-        ...
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """A wall of even thickness, bent like the surface it is given: the target unless another is named.
-
-    caption, backing   what is written on its frame, and the plate behind it; a `Request` that asks for them
-                       overrides these
-    """
-
-    surface: Placement
-    caption: Caption | None = None
-    backing: Backing | None = None
-
-    @property
-    def behind(self) -> None:
-        """Nothing: the ground is seen through the holes."""
-
-    def placement(self, size_mm: float) -> Placement:
-        """The surface, once its distortion is within the limit."""
-        self.surface.check(size_mm)
-        return self.surface
-
-    def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
-        """The code's own piece of that wall, with its caption and the plate behind it."""
-        from perfqr_cad.solid import back, build
-
-        part = build(pattern, placement, walls, caption=self.caption)
-        return (
-            part if self.backing is None else replace(part, extras=(back(pattern, placement, self.backing),))
-        )
 
 
 @dataclass(frozen=True)
@@ -175,12 +129,15 @@ def run(request: Request, target: Target | None = None) -> Design:
         capture, symbol = _source(request, spec)
     with watch("pattern"):
         drawn = patterns.build(symbol, spec, None if capture is None else capture.art)
+    site = dressed(target or plate(request), request)
+    with watch("placement"):
+        placement = site.placement(drawn.extent_mm)
     if request.scan_tilt_deg:
         with watch("tuning"):
-            request = _tuned(request, target, drawn)
-    target = _dressed(target or _plate(request), request)
-    with watch("placement"):
-        placement = target.placement(drawn.extent_mm)
+            request = _tuned(request, drawn, placement.thickness_mm, is_plate=target is None)
+        if target is None:  # its thickness may be another now
+            site = dressed(plate(request), request)
+            placement = site.placement(drawn.extent_mm)
     with watch("structure"):
         reinforced = structure.reinforce(
             drawn,
@@ -204,7 +161,7 @@ def run(request: Request, target: Target | None = None) -> Design:
                 nozzle_mm=request.nozzle_mm,
             )
     with watch("solid"):
-        solid = target.solid(reinforced.pattern, placement, terms.walls(request))
+        solid = site.solid(reinforced.pattern, placement, terms.walls(request))
         solid = replace(solid, colour=terms.part_colour(request))
     with watch("scan"):
         report = scan.certify(
@@ -215,7 +172,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             plan=terms.plan(request),
             look=terms.look(request),
             seed=request.seed,
-            behind=_behind(target, solid, placement),
+            behind=behind(site, solid, placement),
         )
     _require_readable(report, request.depth_mm)
     return Design(
@@ -261,36 +218,11 @@ def _source(request: Request, spec: PatternSpec) -> tuple[Capture | None, Symbol
     return None, symbol if request.mask is not None else easiest_mask(symbol, spec)
 
 
-def _plate(request: Request) -> Target:
-    from perfqr_cad.surface import Plane
-
-    return Sheet(Plane(request.thickness_mm))
-
-
-def _dressed(target: Target, request: Request) -> Target:
-    """The target with the caption and the backing that are asked for, which only a sheet can have."""
-    if isinstance(target, Sheet):
-        caption, backing = terms.caption(request), terms.backing(request)
-        return replace(target, caption=caption or target.caption, backing=backing or target.backing)
-    wishes = ("frame_mm", "corner_radius_mm", "holes_mm", "corner_hole_mm", "caption", "backing_mm")
-    if asked := [name for name in wishes if getattr(request, name)]:
-        raise DesignError(
-            f"{', '.join(asked)}: a code in a part of your own has the part around it: leave these out"
-        )
-    return target
-
-
-def _behind(target: Target, solid: Solid, placement: Placement) -> Triangles | None:
-    """The body that is seen through the holes. Behind a flat part a backing is but a near ground."""
-    return target.behind if placement.is_flat or not solid.extras else solid.extras[0].triangles
-
-
-def _tuned(request: Request, target: Target | None, drawn: Pattern) -> Request:
-    """Walls and thickness for the tilt that is asked for."""
+def _tuned(request: Request, drawn: Pattern, thickness_mm: float, *, is_plate: bool) -> Request:
+    """Walls, and a plate's thickness, for the tilt that is asked for."""
     from perfqr_cad.tuning import for_reader
 
-    thickness_mm = (target or _plate(request)).placement(drawn.extent_mm).thickness_mm
-    return for_reader(request, drawn, _payload(drawn.symbol), thickness_mm, plate=target is None)
+    return for_reader(request, drawn, _payload(drawn.symbol), thickness_mm, plate=is_plate)
 
 
 def _payload(symbol: Symbol) -> bytes:

@@ -130,10 +130,10 @@ def _reflectance(setting: str, colour: str, named: Mapping[str, RGB]) -> RGB:
         return named[colour]
     if not re.fullmatch("#[0-9a-fA-F]{6}", colour):
         raise DesignError(f"{setting} {colour!r} is unknown: use #rrggbb or one of {', '.join(named)}")
-    red, green, blue = (linear_from_srgb(byte / 255) for byte in bytes.fromhex(colour[1:]))
+    red, green, blue = linear_from_srgb([byte / 255 for byte in bytes.fromhex(colour[1:])]).tolist()
     return red, green, blue
 
 
 def _srgb(reflectance: RGB) -> Colour:
-    red, green, blue = (srgb_from_linear(light) for light in reflectance)
+    red, green, blue = srgb_from_linear(reflectance).tolist()
     return red, green, blue

@@ -1,5 +1,8 @@
 """Unit conversions. Inside the package: mm, N, MPa, degrees, seconds; only the edges convert."""
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 MM_PER_INCH = 25.4  # ISO 80000-3: exact
 PA_PER_MPA = 1.0e6
 MM3_PER_CM3 = 1.0e3
@@ -20,11 +23,13 @@ def grams(volume_mm3: float, density_kg_m3: float) -> float:
     return volume_mm3 / MM3_PER_CM3 * density_kg_m3 / 1000.0
 
 
-def linear_from_srgb(value: float) -> float:
-    """Linear light of an sRGB component, both 0 to 1 (IEC 61966-2-1)."""
-    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+def linear_from_srgb(value: ArrayLike) -> NDArray[np.float64]:
+    """Linear light of sRGB components, both 0 to 1 (IEC 61966-2-1)."""
+    value = np.asarray(value, np.float64)
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 
-def srgb_from_linear(light: float) -> float:
-    """The sRGB component of linear light, both 0 to 1 (IEC 61966-2-1)."""
-    return 12.92 * light if light <= 0.0031308 else 1.055 * light ** (1 / 2.4) - 0.055
+def srgb_from_linear(light: ArrayLike) -> NDArray[np.float64]:
+    """sRGB components of linear light, both 0 to 1 (IEC 61966-2-1)."""
+    light = np.asarray(light, np.float64)
+    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .colour import linear
+from perfqr_cad.units import linear_from_srgb
+
 from .design_view import DesignView
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ def _material(body: Solid) -> dict[str, Any]:
     return {
         "name": body.name,
         "pbrMetallicRoughness": {
-            "baseColorFactor": [*linear(body.colour).tolist(), 1.0],
+            "baseColorFactor": [*linear_from_srgb(body.colour).tolist(), 1.0],
             "metallicFactor": 0.0,
             "roughnessFactor": ROUGHNESS,
         },

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.surface import Triangles
+from perfqr_cad.units import linear_from_srgb
 
-from .colour import exposed, linear
+from .colour import exposed
 from .design_view import DesignView
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def picture(design: DesignView, width: int, height: int) -> NDArray[np.uint8]:
     colours = np.repeat([*(body.colour for body in bodies), GROUND], counts, axis=0)
     look = Look(UP_LYING, KEY_LYING) if lies else Look(UP_UPRIGHT, KEY_UPRIGHT)
     camera = _camera(part.vertices, lies, width / height)
-    scene = Scene(part.joined(ground), linear(colours))
+    scene = Scene(part.joined(ground), linear_from_srgb(colours))
     return exposed(_vignette(picture(scene, camera, look, width, height, LIFT * _size(part.vertices))))
 
 

@@ -8,7 +8,6 @@ little off, so a module whose blurred brightness is near one half may go either 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -27,14 +26,6 @@ SAMPLE_SIGMA = 1 / 6  # of a module: the spread of sampling points (Chu et al., 
 BLUR_SIGMA = 0.12  # of a module
 NOISE_SIGMA = 0.12  # of the contrast: pixel noise and the threshold's own error together
 REACH = 1.5  # modules: beyond five sigmas of blur nothing arrives
-
-
-@dataclass(frozen=True, eq=False)
-class Kernel:
-    """Separable weights of the cells about a module's centre, from `-reach` to `+reach` cells."""
-
-    weights: Field
-    sigma_cells: float
 
 
 @lru_cache(maxsize=32)

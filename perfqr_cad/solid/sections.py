@@ -129,19 +129,6 @@ def _floors(front: Sequence[Region]) -> list[int]:
     return numbers
 
 
-def hole_wells(
-    holes: tuple[Loop, ...],
-    thickness_mm: float,
-    walls: Walls,
-    whole_circles: bool,
-    *,
-    min_web_mm: float = 0.0,
-) -> tuple[Well, ...]:
-    """The holes of one piece alone, clockwise loops; raises as `sections` does."""
-    front = [Region(_around(holes, 0.0), holes)]
-    return sections(front, thickness_mm, walls, whole_circles, min_web_mm=min_web_mm, rim=False).wells
-
-
 @dataclass(frozen=True)
 class _Path:
     """A loop of the front, and by how much its segments are set back at the far end; None where straight."""
