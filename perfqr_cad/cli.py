@@ -33,6 +33,15 @@ app = typer.Typer(
 
 BENCHMARKS = ("symbol", "capture", "pattern", "finder", "margin", "structure", "solid", "scan", "spine")
 BAD_INPUT, INTERRUPTED = 2, 130  # exit codes; 130 is the shell's own for an interrupt
+# What `make` itself uses.
+NOT_OF_TEMPLATES = {
+    "output",
+    "template",
+    "define",
+    "set_file",
+    "set_name",
+    "as_json",
+}
 EXPERIMENTS = ("table1", "table2", "fig9", "fig11", "fig14", "colours", "materials", "limits", "bunny")
 
 
@@ -54,6 +63,7 @@ _TemplateName = Annotated[str, typer.Argument(help="A template's name or a .py f
 # Each common setting is one long option here and the parameter of the same name in a template.
 @app.command()
 def make(
+    context: typer.Context,
     text: Annotated[str | None, typer.Argument(help="The text of the code.")] = None,
     image: Annotated[Path | None, _option(help="A picture of a code, instead of a text.")] = None,
     output: Annotated[
@@ -107,18 +117,6 @@ def make(
     """Make a part from a text or a picture, and write it with its certificate."""
     from perfqr_cad import catalog, export
 
-    options: dict[str, Value] = {
-        "text": text, "image": None if image is None else str(image), "size": size, "thickness": thickness,
-        "nozzle": nozzle, "level": None if level is None else level.value, "version": version,
-        "pressure": pressure, "yield": yield_, "material": material, "finger": finger,
-        "own_weight": own_weight or None, "support": support,
-        "verify_solid": verify_solid or None, "draft": draft, "lip": lip, "depth": depth, "fillet": fillet,
-        "frame": frame, "corner_radius": corner_radius, "hole": "; ".join(hole) if hole else None,
-        "caption": caption, "backing": backing, "gap": gap,
-        "style": style, "finder": finder, "objective": objective, "quiet": quiet, "tone": tone,
-        "colour": colour, "ground": ground,
-        "scan_tilt": scan_tilt, "seed": seed,
-    }  # fmt: skip
     if text is not None and image is not None:
         raise DesignError("a text and --image are both given: give one of them")
     outputs = output or []
@@ -127,8 +125,7 @@ def make(
     chosen = catalog.find(template)
     sets = catalog.read_parameter_set(set_file, set_name or "") if set_file else {}
     defined = dict(catalog.read_definition(d) for d in define or [])
-    given = {name: value for name, value in options.items() if value is not None}
-    values = chosen.values(catalog.merge(sets, defined, given))
+    values = chosen.values(catalog.merge(sets, defined, _settings(context)))
     export.check(outputs)
     with _progress():
         design = chosen.build(values).written(outputs)
@@ -136,6 +133,24 @@ def make(
         _print_json(design.certificate())
     else:
         typer.echo(design.summary())
+
+
+def _settings(context: typer.Context) -> dict[str, Value]:
+    """The options of `make` that were given, by the names that templates have for them."""
+    given: dict[str, Value] = {}
+    for name, value in context.params.items():
+        match value:
+            case None | False | [] | ():
+                continue
+            case _ if name in NOT_OF_TEMPLATES:
+                continue
+            case list() | tuple():
+                given[name] = "; ".join(value)
+            case Path() | StrEnum():
+                given[name] = str(value)
+            case _:
+                given[name.rstrip("_")] = value
+    return given
 
 
 @app.command()

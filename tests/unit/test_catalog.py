@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from perfqr_cad import catalog
-from perfqr_cad.errors import TemplateError
+from perfqr_cad.errors import PerfQRError, TemplateError
 
 SOURCE = '''
 """A tag.
@@ -144,6 +144,27 @@ def test_a_file_without_build_or_with_bad_syntax(tmp_path: Path) -> None:
     path.write_text("size = (\n")
     with pytest.raises(TemplateError, match="line 1"):
         catalog.load(path)
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("return 1 / p.size", "t.py line 4: ZeroDivisionError"),
+        ("pass", "returns nothing"),
+        ("raise DesignError('too small')", "too small"),
+    ],
+)
+def test_what_a_template_gets_wrong_is_told(tmp_path: Path, body: str, message: str) -> None:
+    path = tmp_path / "t.py"
+    path.write_text(f"from perfqr_cad.errors import DesignError\nsize = 0\ndef build(p):\n    {body}\n")
+    with pytest.raises(PerfQRError, match=message):
+        catalog.find(str(path)).build()
+
+
+def test_comments_that_are_no_limits(tmp_path: Path) -> None:
+    path = tmp_path / "t.py"
+    path.write_text("a = 1  # [mm]\nb = 2  # [1:2:3:4]\nc = 3  # [1:x]\ndef build(p): return p\n")
+    assert [p.limits for p in catalog.load(path).parameters] == ["", "", ""]
 
 
 def test_every_shipped_template_describes_itself() -> None:
