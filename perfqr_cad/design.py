@@ -132,6 +132,7 @@ def run(request: Request, target: Target | None = None) -> Design:
     site = dressed(target or plate(request), request)
     with watch("placement"):
         placement = site.placement(drawn.extent_mm)
+        terms.walls(request).require_fit(placement.thickness_mm)
     if request.scan_tilt_deg:
         with watch("tuning"):
             request = _tuned(request, drawn, placement.thickness_mm, is_plate=target is None)
@@ -174,7 +175,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             seed=request.seed,
             behind=behind(site, solid, placement),
         )
-    _require_readable(report, request.depth_mm)
+    _require_readable(report, request.depth_mm, len(reinforced.bridges))
     return Design(
         request,
         capture,
@@ -231,17 +232,20 @@ def _payload(symbol: Symbol) -> bytes:
     return payload_of(symbol).data
 
 
-def _require_readable(report: ScanReport, depth_mm: float | None) -> None:
+def _require_readable(report: ScanReport, depth_mm: float | None, strengthenings: int) -> None:
     """A part that no decoder reads is an error, not a warning."""
-    if not report.readers:
-        tried = ", ".join(report.decoders)
-        walls = (
-            "lower --thickness" if depth_mm is None else f"take pockets deeper than {depth_mm:g} mm (--depth)"
-        )
-        raise DesignError(
-            f"none of {len(report.decoders)} decoders ({tried}) reads the part from straight above: "
-            f"raise --size or --level, or {walls}"
-        )
+    if report.readers:
+        return
+    if strengthenings:
+        remedy = f"{strengthenings} bridges for strength cover it: raise --thickness, or lower the load"
+    elif depth_mm is not None:
+        remedy = f"raise --size or --level, or take pockets deeper than {depth_mm:g} mm (--depth)"
+    else:
+        remedy = "raise --size or --level, or lower --thickness"
+    tried = ", ".join(report.decoders)
+    raise DesignError(
+        f"none of {len(report.decoders)} decoders ({tried}) reads the part from straight above: {remedy}"
+    )
 
 
 class _Stopwatch:

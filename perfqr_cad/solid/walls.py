@@ -34,6 +34,10 @@ class Walls:
         if self.depth_mm is not None and not (math.isfinite(self.depth_mm) and self.depth_mm > 0):
             raise DesignError(f"depth {self.depth_mm:g} mm is not above 0 mm")
 
+    def require_fit(self, thickness_mm: float) -> None:
+        """Raises `DesignError` for pockets or a lip deeper than a wall of that thickness has room for."""
+        self.flare_mm(self.reach_mm(thickness_mm))
+
     def reach_mm(self, thickness_mm: float) -> float:
         """Depth of the holes in a wall of that thickness. Raises `DesignError` when there is no floor
         left."""

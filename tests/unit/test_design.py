@@ -90,12 +90,26 @@ def test_an_unknown_setting_is_named() -> None:
         make(text="a", size=60)
 
 
-def test_a_part_that_nobody_reads_is_an_error() -> None:
+@pytest.mark.parametrize(
+    ("depth_mm", "strengthenings", "remedy"),
+    [
+        (None, 0, "lower --thickness"),
+        (0.8, 0, r"pockets deeper than 0\.8 mm"),
+        (None, 3, "3 bridges for strength cover it: raise --thickness"),
+    ],
+)
+def test_a_part_that_nobody_reads_is_an_error(
+    depth_mm: float | None, strengthenings: int, remedy: str
+) -> None:
     blind = DecoderResult("zxing-cpp", (0.0,), (0.0,), (1.0,))
-    with pytest.raises(DesignError, match=r"none of 1 decoders .* lower --thickness"):
-        _require_readable(ScanReport("a", {"zxing-cpp": blind}, {}), None)
-    with pytest.raises(DesignError, match=r"pockets deeper than 0\.8 mm"):
-        _require_readable(ScanReport("a", {"zxing-cpp": blind}, {}), 0.8)
+    with pytest.raises(DesignError, match=rf"none of 1 decoders .* {remedy}"):
+        _require_readable(ScanReport("a", {"zxing-cpp": blind}, {}), depth_mm, strengthenings)
+
+
+def test_walls_that_do_not_fit_are_refused_before_the_long_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("perfqr_cad.structure.reinforce", lambda *_, **__: pytest.fail("too late"))
+    with pytest.raises(DesignError, match="pockets of 2 mm leave no floor in 1.6 mm"):
+        make(text="HELLO", depth_mm=2.0)
 
 
 def test_the_public_face_is_complete() -> None:
