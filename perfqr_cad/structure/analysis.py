@@ -17,6 +17,7 @@ from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.materials import material as material_named
 from perfqr_cad.structure.measure import Discs, von_mises
 from perfqr_cad.structure.model import Model, build_model, forces_of
+from perfqr_cad.structure.patches import Patches
 from perfqr_cad.structure.quilt import patched
 from perfqr_cad.structure.seeding import Grain
 from perfqr_cad.structure.t6 import Floats
@@ -48,6 +49,7 @@ def analyse(
     nozzle_mm: float = DEFAULT_NOZZLE_MM,
     mesh_size_mm: float | None = None,
     solver: str | None = None,
+    patches: Patches | None = None,
 ) -> StressField:
     """The stress field of a pattern, recessed bars with their own thickness; see `analyse_region`."""
     return analyse_region(
@@ -62,6 +64,7 @@ def analyse(
         mesh_size_mm=mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm,
         lattice=lattice_of(pattern),
         solver=solver,
+        patches=patches,
     )
 
 
@@ -84,12 +87,13 @@ def analyse_region(
     thin: Sequence[ThinPart] = (),
     lattice: Lattice | None = None,
     solver: str | None = None,
+    patches: Patches | None = None,
 ) -> StressField:
     """The stress field of a light region (mm, in the pattern plane) as a Reissner-Mindlin shell.
 
     `thin` are parts of it that do not fill the wall. Several loads act together. `yield_mpa` None takes the
     material's. `mesh_size_mm` is the largest element edge. `solver` is "CHOLMOD", "SuperLU" or None for the
-    best one installed.
+    best one installed. `patches` are meshes of tiles to use again, on one lattice and with one mesh size.
 
     Raises:
         AnalysisError: the region is empty, not finite, in pieces or not held, or a figure is out of range.
@@ -105,6 +109,7 @@ def analyse_region(
         thin=thin,
         lattice=lattice,
         bends=bends_only(load),
+        patches=patches,
     )
     factor = model.factorise(solver)
     forces = forces_of(model, load, factor)
@@ -121,13 +126,15 @@ def prepare(
     nozzle_mm: float,
     mesh_size_mm: float,
     corner_size_mm: float | None = None,
+    layer_size_mm: float | None = None,
     thin: Sequence[ThinPart] = (),
     lattice: Lattice | None = None,
     bends: bool = True,
+    patches: Patches | None = None,
 ) -> Model:
     """Clean the region, mesh it and build its element matrices.
 
-    `corner_size_mm` None takes the nozzle's width.
+    `corner_size_mm` None takes the nozzle's width, `layer_size_mm` None a share of the mesh size.
 
     A flat part is a plate of 3 unknowns a node as long as its load only `bends` it; else it is a shell.
     """
@@ -143,11 +150,11 @@ def prepare(
     grain = Grain(
         size_mm=mesh_size_mm,
         corner_mm=corner_size_mm or CORNER_NOZZLES * nozzle_mm,
-        layer_mm=LAYER_MESH_SIZES * mesh_size_mm,
+        layer_mm=LAYER_MESH_SIZES * mesh_size_mm if layer_size_mm is None else layer_size_mm,
         tolerance_mm=TOLERANCE_NOZZLES * nozzle_mm,
     )
     classes = by_thickness(domain, thin, placement.thickness_mm)
-    quilt = patched(list(classes.values()), lattice, grain)
+    quilt = patched(list(classes.values()), lattice, patches or Patches(grain))
     held = support if isinstance(support, Support) else Support(support)  # type: ignore[arg-type]
     return build_model(
         quilt, domain, placement, material, held, mesh_size_mm, placement.is_flat and bends, tuple(classes)

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import KDTree
 
 from perfqr_cad.structure import plate, shell
-from perfqr_cad.structure.candidates import Candidates
+from perfqr_cad.structure.candidates import STANDS_ON_WIDTHS, Candidates
 from perfqr_cad.structure.model import Model
 from perfqr_cad.structure.plate import Section
 from perfqr_cad.structure.t6 import Floats, Ints, Mesh, shapes
@@ -44,8 +43,7 @@ def _tie(mesh: Mesh, end: Floats, width: Floats) -> tuple[Ints, Floats]:
 
 def nearest_places(mesh: Mesh, points: Floats) -> tuple[Ints, Floats]:
     """The element nearest to each point (k, 2), and the reference coordinates in it, clipped to it."""
-    centres = mesh.nodes[mesh.elements[:, :3]].mean(axis=1)
-    _, tried = KDTree(centres).query(points, k=min(NEAREST, len(centres)))
+    _, tried = mesh.centre_tree.query(points, k=min(NEAREST, len(mesh.elements)))
     tried = np.asarray(tried).reshape(len(points), -1)
     offset = points[:, None] - mesh.nodes[mesh.elements[tried, 0]]
     local = np.einsum("ktap,kta->ktp", mesh.inverse_jacobian[tried], offset)
@@ -55,6 +53,14 @@ def nearest_places(mesh: Mesh, points: Floats) -> tuple[Ints, Floats]:
     reference = np.clip(local[rows, best], 0.0, 1.0)
     reference /= np.maximum(reference.sum(axis=1), 1.0)[:, None]
     return tried[rows, best], reference
+
+
+def places_under(mesh: Mesh, bars: Candidates) -> Ints:
+    """The corner nodes that bars stand on: inside a joint, they are no places to look for stress."""
+    ends = np.concatenate([bars.start, bars.end])
+    reach = STANDS_ON_WIDTHS * np.tile(bars.width_mm, 2)
+    found = mesh.corner_tree.query_ball_point(ends, reach)
+    return np.unique(np.concatenate([np.asarray(rows, np.int64) for rows in found]))
 
 
 def _stiffnesses(section: Section, t: float, length: Floats, width: Floats) -> tuple[Floats, ...]:

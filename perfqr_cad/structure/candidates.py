@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -22,6 +23,7 @@ LINES_PER_MODULE = 2  # bars run along module edges and module centres
 LONGEST_MODULES = 4.0
 DIAGONAL_STEP_MODULES = 1.0
 LEAST_SPAN_MM = 1e-6  # rounding of a line that touches a hole
+STANDS_ON_WIDTHS = 0.45  # from the middle of a bar's end: its corners, half a width off, are of the part
 SLANT = np.sqrt(0.5)
 WAYS = tuple(np.array(way) for way in ((1.0, 0.0), (0.0, 1.0), (SLANT, SLANT), (SLANT, -SLANT)))
 CENTRE_SAMPLES = 5  # a side, over the centre third of a module: where decoders look (§4.2)
@@ -57,6 +59,21 @@ class Candidates:
         return Candidates(
             self.start[which], self.end[which], self.width_mm[which], self.loss[which], self.covered[which]
         )
+
+    def in_the_way_of(self, row: int, gap_mm: float) -> NDArray[np.bool_]:
+        """The bars (k,) that would leave less than a gap to one of them, or cross it; itself too."""
+        clear = 0.5 * (self.width_mm + self.width_mm[row]) + gap_mm
+        return np.asarray(shapely.distance(self._lines, self._lines[row]) < clear)
+
+    def cover(self, points: Floats) -> NDArray[np.bool_]:
+        """Which points of the wall (r, 2) each bar stands on, (r, k)."""
+        ends = np.stack([self.start, self.end])
+        reach = np.linalg.norm(points[:, None, None] - ends, axis=3).min(axis=1)
+        return np.asarray(reach < STANDS_ON_WIDTHS * self.width_mm)
+
+    @cached_property
+    def _lines(self) -> NDArray[np.object_]:
+        return np.asarray(shapely.linestrings(np.stack([self.start, self.end], axis=1)))
 
     def bridge(self, row: int, cost: float) -> Bridge:
         """One row as a structural bridge."""

@@ -17,7 +17,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import KDTree
 
 from perfqr_cad.structure.t6 import Floats, Ints, Mesh
 
@@ -74,14 +73,22 @@ class Discs:
         tensors = self.matrix(vertices, samples) @ stress.reshape(3 * len(stress), -1)
         return von_mises(tensors.reshape(-1, *stress.shape[2:])).max(axis=1)
 
-    def hottest(self, stress: Floats, share: float = 1.0) -> tuple[Ints, Floats]:
-        """The corner nodes whose measure is at least a share of the largest, and it, largest first."""
+    def hottest(
+        self, stress: Floats, share: float = 1.0, apart_from: Ints | None = None
+    ) -> tuple[Ints, Floats]:
+        """The corner nodes whose measure is at least a share of the largest, and it, largest first.
+
+        Nodes `apart_from` are left out.
+        """
         peaks = von_mises(stress).max(axis=2)
         nodal = np.zeros(self.mesh.corners)
         np.maximum.at(nodal, self.mesh.elements[:, :3], peaks)
+        out = np.zeros(0, np.int64) if apart_from is None else apart_from
+        nodal[out] = 0.0
         first = np.argsort(-nodal, kind="stable")[:FIRST_TRIED]
         limit = share * float(self.at(first, stress).max())
         near = self._whose_disc_may_touch(np.flatnonzero(peaks.max(axis=1) >= limit))
+        near = near[~np.isin(near, out)]
         measure = self.at(near, stress)
         order = np.argsort(-measure, kind="stable")
         order = order[measure[order] >= share * measure[order[0]]]
@@ -96,12 +103,8 @@ class Discs:
         corners = self.mesh.nodes[self.mesh.elements[elements, :3]]
         centres = corners.mean(axis=1)
         reach = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1) + 0.5 * self.width_mm
-        found = self._tree.query_ball_point(centres, reach)
+        found = self.mesh.corner_tree.query_ball_point(centres, reach)
         return np.unique(np.concatenate([np.asarray(rows, np.int64) for rows in found]))
-
-    @cached_property
-    def _tree(self) -> KDTree:
-        return KDTree(self.mesh.nodes[: self.mesh.corners])
 
     @cached_property
     def _start(self) -> Ints:

@@ -11,8 +11,8 @@ import shapely
 from scipy.sparse.csgraph import dijkstra
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.structure.bars import couplings
-from perfqr_cad.structure.candidates import affordable, holes_of
+from perfqr_cad.structure.bars import couplings, places_under
+from perfqr_cad.structure.candidates import Candidates, affordable, holes_of
 from perfqr_cad.structure.reanalysis import Reanalysis
 from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
 
@@ -46,8 +46,9 @@ class PaperChoice:
             found = self._cheapest(pattern, analysis, graph)
             if found is None:
                 break
-            pattern, bridge, coupling = found
-            analysis.add(analysis.respond(coupling))
+            pattern, bridge, bar = found
+            coupling = couplings(analysis.model, bar)
+            analysis.add(analysis.respond(coupling), places_under(analysis.model.mesh, bar))
             bridges.append(bridge)
             stresses.append(analysis.largest)
             if stresses[-1] <= limit_mpa:
@@ -59,7 +60,7 @@ class PaperChoice:
 
     def _cheapest(
         self, pattern: Pattern, analysis: Reanalysis, graph: sp.csr_matrix
-    ) -> tuple[Pattern, Bridge, sp.csc_matrix] | None:
+    ) -> tuple[Pattern, Bridge, Candidates] | None:
         """The cheapest bridge that can be laid from the most deformed contour point that has one."""
         mesh = analysis.model.mesh
         moved = np.linalg.norm(analysis.model.translations(analysis.displacement), axis=1)
@@ -72,7 +73,7 @@ class PaperChoice:
 
     def _cheapest_from(
         self, pattern: Pattern, analysis: Reanalysis, graph: sp.csr_matrix, contour: Ints, start: int
-    ) -> tuple[Pattern, Bridge, sp.csc_matrix] | None:
+    ) -> tuple[Pattern, Bridge, Candidates] | None:
         """The cheapest bridge that can be laid from a contour point."""
         mesh = analysis.model.mesh
         ends = _visible(pattern, mesh, contour, start)
@@ -95,7 +96,7 @@ class PaperChoice:
             except DesignError:  # breaks a web or gap rule: the next cheapest
                 continue
             if np.isfinite(bridged.readability.total):
-                return bridged, bridge, couplings(analysis.model, bars.take(np.array([row])))
+                return bridged, bridge, bars.take(np.array([row]))
         return None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,6 +18,7 @@ from perfqr_cad.structure.t6 import Floats, Ints, Mesh, with_middles
 from perfqr_cad.structure.tiling import Content, Tiling
 
 Flags = NDArray[np.bool_]
+Side = frozenset[tuple[float, ...]]
 
 
 @dataclass(frozen=True)
@@ -68,16 +70,35 @@ def _faces(content: Content, tiling: Tiling, grain: Grain) -> list[tuple[Face, i
         for piece in _pieces(content.edges[content.classes == index], content.corners[index], low, high)
     ]
     shared = _shared([piece for piece, _ in pieces])
+    tolerance = grain.tolerance_mm / unit
+    thick = [(piece, index) for piece, index in pieces if 2 * piece.area / piece.length >= tolerance]
+    rings = [
+        [_thinned(ring, shared, low, high, tolerance) for ring in shapely.get_rings(p)] for p, _ in thick
+    ]
+    sides = Counter(side for loops in rings for loop in loops for side in _sides(loop))
     faces = []
-    for piece, index in pieces:
-        if 2 * piece.area / piece.length < grain.tolerance_mm / unit:
-            continue  # the skin of material in the next tile
-        loops = []
-        for ring in (piece.exterior, *piece.interiors):
-            points, pinned = _thinned(ring, shared, low, high, grain.tolerance_mm / unit)
-            loops.append(unit * seed(points, pinned, grain.scaled(1.0 / unit)))
-        faces.append((Face(tuple(loops)), index))
+    for loops, (_, index) in zip(rings, thick, strict=True):
+        flags = [
+            np.array([sides[side] > 1 or _on_border(side, low, high) for side in _sides(p)]) for p in loops
+        ]
+        nodes = [
+            unit * seed(points, pinned, grain.scaled(1.0 / unit))
+            for points, pinned in zip(loops, flags, strict=True)
+        ]
+        faces.append((Face(tuple(nodes)), index))
     return faces
+
+
+def _sides(points: Floats) -> list[Side]:
+    """The sides of a loop, from each of its points, the same from both sides."""
+    ends = list(map(tuple, points.tolist()))
+    return [frozenset(side) for side in zip(ends, ends[1:] + ends[:1], strict=True)]
+
+
+def _on_border(side: Side, low: int, high: int) -> bool:
+    """Whether a side of a piece lies on the tile's border."""
+    (x0, y0), (x1, y1) = side
+    return (x0 == x1 and x0 in (low, high)) or (y0 == y1 and y0 in (low, high))
 
 
 def _pieces(edges: Ints, corners: Flags, low: int, high: int) -> list[Polygon]:
@@ -123,32 +144,26 @@ def _shared(pieces: Sequence[Polygon]) -> set[tuple[float, float]]:
 
 def _thinned(
     ring: LinearRing, shared: set[tuple[float, float]], low: int, high: int, tolerance: float
-) -> tuple[Floats, Flags]:
-    """The points (k, 2) of a ring without those that its shape does not need, and for each whether the edge
-    from it is pinned: it lies on the border, or between two pieces, and looks the same from both sides.
-    """
+) -> Floats:
+    """The points (k, 2) of a ring without those that its shape does not need; what pieces share is kept."""
     points = shapely.get_coordinates(ring)[:-1]
     kept = ((points == low) | (points == high)).any(axis=1)
     if shared:
         kept |= np.array([tuple(point) in shared for point in points.tolist()])
     if not kept.any():
-        thin = shapely.get_coordinates(shapely.simplify(ring, tolerance))[:-1]
-        return thin, np.zeros(len(thin), bool)
-    points = np.roll(points, -int(np.argmax(kept)), axis=0)
-    stops = np.append(np.flatnonzero(np.roll(kept, -int(np.argmax(kept)))), len(points))
-    closed = np.vstack([points, points[:1]])
-    chains, pinned = [], []
-    for start, end in pairwise(stops):
-        chain = closed[start : end + 1]
-        if len(chain) > 2:
-            chain = shapely.get_coordinates(shapely.simplify(LineString(chain), tolerance))
-        chains.append(chain[:-1])
-        a, b = chain[0], chain[-1]
-        straight = len(chain) == 2
-        on_border = bool(((a == b) & ((a == low) | (a == high))).any())
-        between = {tuple(a), tuple(b)} <= shared
-        pinned.append(np.full(len(chain) - 1, straight and (on_border or between)))
-    return np.concatenate(chains), np.concatenate(pinned)
+        return shapely.get_coordinates(shapely.simplify(ring, tolerance))[:-1]
+    first = int(np.argmax(kept))
+    closed = np.vstack([np.roll(points, -first, axis=0), points[first]])
+    stops = np.append(np.flatnonzero(np.roll(kept, -first)), len(points))
+    chains = [closed[start : end + 1] for start, end in pairwise(stops)]
+    return np.concatenate(
+        [
+            shapely.get_coordinates(shapely.simplify(LineString(chain), tolerance))[:-1]
+            if len(chain) > 2
+            else chain[:-1]
+            for chain in chains
+        ]
+    )
 
 
 def _patch(parts: list[tuple[Floats, Ints, int]], tiling: Tiling) -> Patch:

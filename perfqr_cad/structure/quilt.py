@@ -10,7 +10,6 @@ from shapely.geometry import MultiPolygon, Polygon
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.patches import Flags, Patch, Patches
-from perfqr_cad.structure.seeding import Grain
 from perfqr_cad.structure.t6 import Ints, Mesh
 from perfqr_cad.structure.tiling import Lattice, Tiling, cut
 
@@ -43,14 +42,14 @@ class Quilt:
     classes: Ints
 
 
-def patched(regions: Sequence[Polygon | MultiPolygon], lattice: Lattice, grain: Grain) -> Quilt:
-    """The mesh of a clean region that is parted by classes of material.
+def patched(regions: Sequence[Polygon | MultiPolygon], lattice: Lattice, patches: Patches) -> Quilt:
+    """The mesh of a clean region that is parted by classes of material; `patches` learn its tiles.
 
     Raises:
         AnalysisError: gmsh failed, or the mesh does not cover the region.
     """
     tiling = cut(regions, lattice)
-    quilt = sew(tiling, Patches(grain).of(tiling))
+    quilt = sew(tiling, patches.of(tiling))
     meshed, wanted = float(quilt.mesh.area_mm2.sum()), sum(region.area for region in regions)
     if abs(meshed - wanted) > AREA_TOLERANCE * wanted:
         raise AnalysisError(

@@ -52,6 +52,7 @@ class Reanalysis:
         self._small: Floats = np.zeros((0, 0))  # 1 + CᵀZ0
         self.displacement = self._base
         self._hot: tuple[Ints, Floats] | None = None
+        self._under: Ints = np.zeros(0, np.int64)
 
     def solve(self, right: Floats) -> Floats:
         """K⁻¹ of a right-hand side, bridges included."""
@@ -71,8 +72,8 @@ class Reanalysis:
         amplitudes = np.linalg.solve(self._small, self._alone(self._laid.coupling, response))
         return alone - self._alone(left, self._laid) @ amplitudes
 
-    def add(self, response: Response) -> None:
-        """Lay bridges for good."""
+    def add(self, response: Response, under: Ints) -> None:
+        """Lay bridges for good. They stand on some corner nodes, whose stress is none of the part's now."""
         own = self._alone(response.coupling, response)
         cross = self._alone(self._laid.coupling, response)
         self._small = np.block([[self._small, cross], [cross.T, np.eye(len(own)) + own]])
@@ -81,6 +82,15 @@ class Reanalysis:
             sp.csc_matrix(sp.hstack([self._laid.felt, response.felt])),
             np.concatenate([self._laid.motion, response.motion], axis=1),
         )
+        self.displacement = self._corrected(self._base)
+        self._under = np.union1d(self._under, under)
+        self._hot = None
+
+    def drop(self, modes: int) -> None:
+        """Take the last modes away again."""
+        left = np.arange(self.modes - modes)
+        self._small = self._small[np.ix_(left, left)]
+        self._laid = self._laid.take(left)
         self.displacement = self._corrected(self._base)
         self._hot = None
 
@@ -118,7 +128,7 @@ class Reanalysis:
         """The corner nodes with the largest of the named measure, and it in MPa, largest first."""
         if self._hot is None:
             stress = self.model.corner_stresses(self.displacement)
-            places, measure = self.discs.hottest(stress, HOT_SHARE)
+            places, measure = self.discs.hottest(stress, HOT_SHARE, self._under)
             self._hot = places[:HOT_MOST], measure[:HOT_MOST]
         return self._hot
 

@@ -82,6 +82,7 @@ class _Job:
             nozzle_mm=self.nozzle_mm,
             mesh_size_mm=size,
             corner_size_mm=size,
+            layer_size_mm=0.0,
             thin=thin_parts(pattern, self.placement.thickness_mm),
             lattice=lattice_of(pattern),
             bends=bends_only(self.load),
@@ -142,7 +143,8 @@ def _run(pattern: Pattern, job: _Job, chooser: Chooser, method: Method) -> Reinf
         confirmations += 1
         stage = _Stage(bridged, job.check(bridged), (*stage.bridges, *new))
         history += [*(stress / scale for stress in stresses), stage.field.max_stress_mpa]
-        if stage.field.max_stress_mpa < best.field.max_stress_mpa:
+        gain = 1.0 - stage.field.max_stress_mpa / best.field.max_stress_mpa
+        if gain > 0.0:
             best = stage
         elif method == "optimal":
             chooser.avoid(new, stage.field.max_stress_at_mm, pattern.module_mm)

@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -104,6 +105,16 @@ class Mesh:
         a, b = (vector[which] for vector in self._edge_vectors)
         origin = self.nodes[self.elements[which, 0]]
         return origin[:, None] + reference[None, :, :1] * a[:, None] + reference[None, :, 1:] * b[:, None]
+
+    @cached_property
+    def corner_tree(self) -> KDTree:
+        """The corner nodes, to find them by place."""
+        return KDTree(self.nodes[: self.corners])
+
+    @cached_property
+    def centre_tree(self) -> KDTree:
+        """The centres of the elements, to find them by place."""
+        return KDTree(self.nodes[self.elements[:, :3]].mean(axis=1))
 
     @cached_property
     def boundary(self) -> Ints:

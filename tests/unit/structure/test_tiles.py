@@ -14,6 +14,7 @@ from perfqr_cad.structure.analysis import prepare
 from perfqr_cad.structure.assembly import System
 from perfqr_cad.structure.domain import ThinPart, thin_parts
 from perfqr_cad.structure.model import Model, forces_of
+from perfqr_cad.structure.patches import Patches
 from perfqr_cad.structure.quilt import patched
 from perfqr_cad.structure.seeding import Grain
 from perfqr_cad.structure.tiling import Lattice, cut
@@ -51,7 +52,7 @@ def test_tiles_that_look_alike_are_one_kind() -> None:
 )
 @pytest.mark.parametrize("pitch", [2.0, 3.7])
 def test_a_quilt_covers_its_region_and_has_no_open_seams(region: Polygon, pitch: float) -> None:
-    mesh = patched([region], Lattice(pitch), GRAIN).mesh
+    mesh = patched([region], Lattice(pitch), Patches(GRAIN)).mesh
     assert float(mesh.area_mm2.sum()) == pytest.approx(region.area, rel=2e-3)
     ends = mesh.nodes[mesh.boundary[:, :2]]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum()
@@ -95,6 +96,24 @@ def test_thin_part_bends_as_thin_and_weighs_as_thin() -> None:
     assert whole.max_deflection_mm < half.max_deflection_mm
     every = analyse_region(strip, Plane(2.0), thin=[replace(thin, polygon=strip)], **settings)  # type: ignore[arg-type]
     assert every.max_deflection_mm == pytest.approx(all_thin.max_deflection_mm, rel=1e-6)
+
+
+@pytest.mark.parametrize("size", [2.0, 1.1, 0.8, 0.5, 0.3])
+def test_a_thin_bar_is_sewn_to_the_walls_at_both_ends(size: float) -> None:
+    bar = box(-0.5, -0.45, 0.5, 0.45)
+    part = shapely.union_all([box(-9, -9, 9, 9).difference(box(-0.5, -4, 0.5, 4)), bar])
+    model = prepare(
+        part,
+        Plane(2.0),
+        MATERIALS["PLA"],
+        Support(),
+        nozzle_mm=0.4,
+        mesh_size_mm=size,
+        thin=[ThinPart(bar, 0.4)],
+        lattice=LATTICE,
+    )
+    ends = model.mesh.nodes[model.mesh.boundary[:, :2]]
+    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum() == pytest.approx(part.length)
 
 
 def test_part_thicker_than_its_wall_is_refused() -> None:
