@@ -16,13 +16,12 @@ from .chart import Chart
 from .curved_charts import ConeChart, HeightFieldChart, RevolvedChart
 from .expected import volume_mm3
 from .mesh import CHORD_MM, triangulate
-from .occ import EDGE, FACE, SOLID
 from .plan import Plan
 from .plane_chart import PlaneChart
 from .proof import check
-from .punch import panel
 from .sections import Sections
 from .shape import LIGHT, Colour, Corner, Solid
+from .stitch import panel
 from .walls import Walls
 
 # Share of the volume by which the modeller may differ from the closed form: rounding on plates, straight or
@@ -117,27 +116,29 @@ def plan_of(pattern: Pattern) -> Plan:
 def _stood(stands: Sections, placement: Placement, chord_mm: float) -> Solid:
     """The solid of some sections, measured and checked."""
     volume_tol = FLAT_VOLUME_TOL if placement.is_flat else CURVED_VOLUME_TOL
-    chart = chart_of(placement)
     with occ.kernel("building the solid", "simplify the outline or move the code to a smoother place"):
-        shape = panel(stands, chart)
-        volume = flux.volume_mm3(shape)
-        expected = volume_mm3(stands.wells, placement)
-    _, back_mm = stands.between_mm
+        brep = panel(stands, chart_of(placement))
+    volume, expected = flux.volume_mm3(brep), volume_mm3(stands.wells, placement)
     triangles = triangulate(
-        stands.wells, back_mm, placement.at_depth, tops=stands.tops, chord_mm=chord_mm, flat=placement.is_flat
+        stands.wells,
+        stands.between_mm[1],
+        placement.at_depth,
+        tops=stands.tops,
+        chord_mm=chord_mm,
+        flat=placement.is_flat,
     )
     problems = check(
-        shape, genus=stands.genus, expected_volume_mm3=expected, volume_tol=volume_tol, volume_mm3=volume
+        brep, genus=stands.genus, expected_volume_mm3=expected, volume_tol=volume_tol, volume_mm3=volume
     )
     if not triangles.closed:
         problems = (*problems, "the triangles do not close")
     return Solid(
-        shape=shape,
+        exact=brep,
         triangles=triangles,
         valid=not problems,
-        solids=occ.count(shape, SOLID),
-        faces=occ.count(shape, FACE),
-        edges=occ.count(shape, EDGE),
+        solids=1,
+        faces=brep.face_count,
+        edges=len(brep.ends),
         volume_mm3=volume,
         expected_volume_mm3=expected,
         problems=problems,

@@ -1,6 +1,4 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
-"""How the pattern plane lies in a wall of material, as the kernel sees it.
+"""How the pattern plane lies in a wall of material.
 
 A chart maps pattern points to space at any depth behind the front: depth 0 is the front face, depth
 `thickness_mm` the back face. It lays segments of the pattern on those levels as exact or fitted curves.
@@ -10,45 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from perfqr_cad.pattern.outline import Loop, Segment
 
-from .occ import TOLERANCE_MM, Array
+from .brep import Batch, CurveTable, Kind, SurfaceTable
+from .geometry import Surfaces
+from .sampling import Array, Indices
 
-if TYPE_CHECKING:
-    from OCP.Geom import Geom_Curve, Geom_Surface
-    from OCP.Geom2d import Geom2d_Curve
-
-
-@dataclass(frozen=True)
-class Trace:
-    """A segment of the pattern laid on one level of the wall; its curve runs as the segment does.
-
-    curve         the curve in space and the parameters where the segment starts and ends, first < last
-    image         the same in the parameters of the level's surface; None on planes, or where no face lies
-    tolerance_mm  how far the curve may stray from the surface and from the image's points
-    """
-
-    curve: Geom_Curve
-    first: float
-    last: float
-    image: Geom2d_Curve | None = None
-    tolerance_mm: float = TOLERANCE_MM
-
-
-@dataclass(frozen=True)
-class Wall:
-    """The surface between a segment on one level and on the next, with the images of its four edges.
-
-    outward  whether the surface's own normal points out of the material (to the right of travel)
-    images   of the upper edge, the lower edge, and the two side edges at the segment's start and end
-             (side edges run downwards, by arc length); None on a plane, which needs no images
-    """
-
-    surface: Geom_Surface
-    outward: bool
-    images: tuple[Geom2d_Curve, Geom2d_Curve, Geom2d_Curve, Geom2d_Curve] | None = None
+Images = tuple[CurveTable, ...]  # upper edges, lower edges, side edges at the segments' starts and ends
 
 
 @dataclass(frozen=True)
@@ -83,23 +54,88 @@ class Well:
         return list(zip(*(loop.segments for loop in self.loops), strict=True))
 
 
-@dataclass(frozen=True)
-class Column:
-    """What stands on one segment of a loop: its traces level by level, and the walls between them."""
+@dataclass(frozen=True, eq=False)
+class Traces:
+    """Segments laid on one level of the wall, as edges that run as the segments do; rows count segments.
 
-    traces: tuple[Trace, ...]
-    walls: tuple[Wall, ...]
+    images        the same in the parameters of the level's surface; none on planes, or where no face lies
+    tolerance_mm  (k,) how far a curve may stray from the surface and from the image's points
+    """
 
-    def storey(self, first: int, levels: int) -> Column:
-        """The part from one level on."""
-        last = first + levels
-        if first == 0 and last == len(self.traces):
-            return self
-        return Column(self.traces[first:last], self.walls[first : last - 1])
+    curves: CurveTable
+    tolerance_mm: Array
+    images: CurveTable = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """The surfaces between segments on one level and on the next; rows count segments.
+
+    outward  (k,) whether the surface's own normal points out of the material (to the right of travel)
+    images   of the four edges, side edges running downwards; none on planes
+    """
+
+    surfaces: SurfaceTable
+    outward: NDArray[np.bool_]
+    images: Images
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """What stands on segments of the pattern: their traces level by level, and the walls between."""
+
+    traces: tuple[Traces, ...]
+    bands: tuple[Band, ...]
+
+    @staticmethod
+    def joined(count: int, levels: int, parts: Sequence[tuple[Indices, Columns]]) -> Columns:
+        """One of so many segments, from parts on some of them each."""
+        return Columns(
+            tuple(_joined_traces(count, [(on, part.traces[k]) for on, part in parts]) for k in range(levels)),
+            tuple(
+                _joined_bands(count, [(on, part.bands[k]) for on, part in parts]) for k in range(levels - 1)
+            ),
+        )
+
+    def walled(self, rows: Indices, surfaces: Surfaces) -> Columns:
+        """The same with plane walls on some segments."""
+        kept = np.arange(len(self.traces[0].tolerance_mm))
+        kept[rows] = -1
+        bands: list[Band] = []
+        for band in self.bands:
+            images = tuple(_renumbered(table, kept) for table in band.images)
+            walls = (*_renumbered(band.surfaces, kept), Batch(rows, surfaces))
+            bands.append(Band(walls, band.outward | (kept < 0), images))
+        return Columns(self.traces, tuple(bands))
+
+
+def _renumbered(table: tuple[Batch[Kind], ...], numbers: Indices) -> tuple[Batch[Kind], ...]:
+    return tuple(batch.renumbered(numbers) for batch in table)
+
+
+def _joined_traces(count: int, parts: Sequence[tuple[Indices, Traces]]) -> Traces:
+    tolerance = np.empty(count)
+    for on, part in parts:
+        tolerance[on] = part.tolerance_mm
+    curves = tuple(batch for on, part in parts for batch in _renumbered(part.curves, on))
+    images = tuple(batch for on, part in parts for batch in _renumbered(part.images, on))
+    return Traces(curves, tolerance, images)
+
+
+def _joined_bands(count: int, parts: Sequence[tuple[Indices, Band]]) -> Band:
+    outward = np.empty(count, np.bool_)
+    for on, part in parts:
+        outward[on] = part.outward
+    surfaces = tuple(batch for on, part in parts for batch in _renumbered(part.surfaces, on))
+    images = tuple(
+        tuple(batch for on, part in parts for batch in _renumbered(part.images[side], on))
+        for side in range(4)
+    )
+    return Band(surfaces, outward, images)
 
 
 class Chart(Protocol):
-    """What a punch needs to know of a wall of material."""
+    """What is to be known of a wall of material."""
 
     @property
     def thickness_mm(self) -> float: ...
@@ -113,14 +149,14 @@ class Chart(Protocol):
         """Points (k, 3) in space of (k, 2) pattern points at a depth."""
         ...
 
-    def surface(self, depth_mm: float) -> Geom_Surface:
-        """The surface of a face at that depth."""
+    def surface(self, depth_mm: float) -> Surfaces:
+        """The surface of a face at that depth, one."""
         ...
 
     def towards_reader(self, depth_mm: float) -> bool:
         """Whether the own normal of `surface(depth_mm)` points towards the reader."""
         ...
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> list[Column]:
+    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
         """Columns on stacks of segments, one segment for each level, front first."""
         ...

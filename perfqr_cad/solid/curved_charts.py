@@ -11,19 +11,14 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from OCP.Geom import (
-    Geom_BSplineSurface,
-    Geom_Circle,
     Geom_ConicalSurface,
-    Geom_Curve,
     Geom_CylindricalSurface,
-    Geom_Line,
-    Geom_Plane,
     Geom_SphericalSurface,
-    Geom_Surface,
     Geom_SurfaceOfRevolution,
 )
-from OCP.gp import gp_Ax1, gp_Ax2, gp_Ax3, gp_Dir, gp_Pnt
+from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Pnt
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern.outline import Line, Segment
@@ -38,14 +33,20 @@ from perfqr_cad.surface.spline import (
     tensor_fitted,
 )
 
-from .chart import Column, Level, Trace, Wall
+from .brep import TOLERANCE_MM, Batch, CurveTable
+from .chart import Band, Columns, Level, Traces
 from .fitted import Sight, lay_fitted
-from .occ import TOLERANCE_MM, Array, direction, line_2d, pnt, spline_curve, spline_surface
+from .geometry import Arcs, Cones, Curves, Lines, Planes, Surfaces
+from .modelled import ModelledSurfaces
+from .occ import spline_curve, spline_surface
+from .ruled import straight
+from .sampling import Array
 
 OFFSET_FIT_MM = 1e-6  # between the modelled back and the true offset of the front
 PIECES = (1, 2, 4, 8, 16, 32, 64)  # of each span of the front's spline, in the spline of an offset of it
 FLAT = 1e-9  # slope below which a wall is called flat
-Y = gp_Dir(0, 1, 0)
+Y = np.array([0.0, 1.0, 0.0])
+UP = gp_Dir(0, 1, 0)
 BACK = gp_Dir(0, 0, -1)  # seams of closed surfaces lie behind the axis, away from the code
 
 
@@ -75,123 +76,138 @@ class RevolvedChart:
         return True
 
     @lru_cache(maxsize=16)  # noqa: B019 - a chart lives as long as one build
-    def surface(self, depth_mm: float) -> Geom_Surface:
-        frame = gp_Ax3(gp_Pnt(0, 0, 0), Y, BACK)
+    def surface(self, depth_mm: float) -> Surfaces:
+        frame = gp_Ax3(gp_Pnt(0, 0, 0), UP, BACK)
         match self.wall:
             case Cylinder(radius, _):
-                return Geom_CylindricalSurface(frame, radius - depth_mm)
+                return ModelledSurfaces((Geom_CylindricalSurface(frame, radius - depth_mm),))
             case Sphere(radius, _):
-                return Geom_SphericalSurface(frame, radius - depth_mm)
+                return ModelledSurfaces((Geom_SphericalSurface(frame, radius - depth_mm),))
             case Revolution():
                 meridian = fitted_meridian(self.wall, depth_mm)
                 points = np.column_stack(
                     [np.zeros(len(meridian.poles)), meridian.poles[:, 1], -meridian.poles[:, 0]]
                 )
                 curve = spline_curve(points, meridian.knots, DEGREE)
-                return Geom_SurfaceOfRevolution(curve, gp_Ax1(gp_Pnt(0, 0, 0), Y))
+                return ModelledSurfaces((Geom_SurfaceOfRevolution(curve, gp_Ax1(gp_Pnt(0, 0, 0), UP)),))
             case _:
                 raise KernelError(f"no exact surface for {type(self.wall).__name__}: use Revolution")
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> list[Column]:
-        columns = [self._exact(stack, levels) for stack in stacks]
-        rest = iter(lay_fitted([s for s, c in zip(stacks, columns, strict=True) if c is None], levels, self))
-        return [
-            self._flattened(stack, next(rest)) if column is None else column
-            for stack, column in zip(stacks, columns, strict=True)
+    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
+        """Straight walls on lines of the grid keep lines, circles, planes and cones; all others are fitted,
+        but for planes through the axis."""
+        depths = [level.depth_mm for level in levels]
+        upright = [isinstance(stack[0], Line) and all(s == stack[0] for s in stack) for stack in stacks]
+        ends = np.array([(stack[0].start, stack[0].end) for stack in stacks])
+        across, along = (np.array(upright) & (ends[:, 0, k] == ends[:, 1, k]) for k in (1, 0))
+        across[across] = self._has_cones(ends[across, 0, 1], depths)
+        exact = across | (along & isinstance(self.wall, Cylinder | Sphere))
+        rows = [np.flatnonzero(part) for part in (across, exact & along, ~exact)]
+        fitted = lay_fitted([stacks[i] for i in rows[2].tolist()], levels, self)
+        flat = np.flatnonzero(along[rows[2]])
+        parts = [
+            (rows[0], self._parallels(ends[rows[0]], depths)),
+            (rows[1], self._meridians(ends[rows[1]], depths)),
+            (rows[2], fitted.walled(flat, self._meridian_planes(ends[rows[2]][flat]))),
         ]
+        return Columns.joined(len(stacks), len(levels), parts)
 
     @property
     def _speed(self) -> float:
         """Surface parameter per mm of v: latitude on a sphere, length elsewhere."""
         return 1 / self.wall.radius_mm if isinstance(self.wall, Sphere) else 1.0
 
-    def _exact(self, stack: tuple[Segment, ...], levels: tuple[Level, ...]) -> Column | None:
-        """Straight walls on a line of the grid, where edges and walls are lines, circles, planes and
-        cones."""
-        line = stack[0]
-        if not isinstance(line, Line) or any(s != line for s in stack):
-            return None
-        depths = [level.depth_mm for level in levels]
-        if line.start[1] == line.end[1]:
-            walls = [self._parallel_wall(line, a, b) for a, b in pairwise(depths)]
-            traces = tuple(self._parallel(line, depth) for depth in depths)
-            return Column(traces, tuple(w for w in walls if w is not None)) if all(walls) else None
-        if line.start[0] == line.end[0] and isinstance(self.wall, Cylinder | Sphere):
-            wall = self._meridian_wall(line)
-            return Column(tuple(self._meridian(line, depth) for depth in depths), (wall,) * (len(depths) - 1))
-        return None
+    def _images(self, ends: Array) -> CurveTable:
+        """Lines of the grid in the parameters of the level."""
+        at = ends * np.array([1 / self.wall.centre_radius_mm, self._speed]) + np.array([math.pi, 0.0])
+        return straight(np.arange(len(ends)), at[:, 0], at[:, 1])
 
-    def _flattened(self, stack: tuple[Segment, ...], column: Column) -> Column:
-        """Walls on a fitted meridian stand in its plane."""
-        line = stack[0]
-        if isinstance(line, Line) and line.start[0] == line.end[0] and all(s == line for s in stack):
-            return Column(column.traces, (self._meridian_wall(line),) * len(column.walls))
-        return column
+    def _has_cones(self, v: Array, depths: Sequence[float]) -> NDArray[np.bool_]:
+        """Whether walls on parallels are planes or cones: not cylinders about the axis (an axial normal)."""
+        drops = np.diff([self.wall.meridian_at(v, depth) for depth in depths], axis=0)
+        radial, axial = np.abs(drops[..., 0]), np.abs(drops[..., 1])
+        return np.all((axial <= FLAT * radial) | (radial > FLAT * axial), axis=0)
 
-    def _parallel(self, line: Line, depth_mm: float) -> Trace:
-        (u, v), (u1, _) = line.start, line.end
-        ((radius, height),) = self.wall.meridian_at(np.array([v]), depth_mm).tolist()
-        ahead = math.copysign(1.0, u1 - u)
-        frame = gp_Ax2(gp_Pnt(0, height, 0), gp_Dir(0, ahead, 0), self._ray(u))
-        image = line_2d(u / self.wall.centre_radius_mm + math.pi, v * self._speed, ahead, 0)
+    def _parallels(self, ends: Array, depths: Sequence[float]) -> Columns:
+        """Circles about the axis, planes and cones between."""
         exact = isinstance(self.wall, Cylinder | Sphere)
         tolerance = TOLERANCE_MM if exact else TOLERANCE_MM + 2 * OFFSET_FIT_MM  # other backs are fitted
-        sweep = abs(u1 - u) / self.wall.centre_radius_mm
-        return Trace(Geom_Circle(frame, radius), 0.0, sweep, image, tolerance)
-
-    def _parallel_wall(self, line: Line, depth_a: float, depth_b: float) -> Wall | None:
-        """Between two coaxial circles; None where it would be a cylinder about the axis (an axial normal)."""
-        (u, v), (u1, _) = line.start, line.end
-        (ra, ya), (rb, yb) = self.wall.meridian_at(np.array([v, v]), np.array([depth_a, depth_b])).tolist()
-        ahead = math.copysign(1.0, u1 - u)
-        if abs(ya - yb) <= FLAT * abs(ra - rb):
-            return Wall(
-                Geom_Plane(gp_Ax3(gp_Pnt(0, ya, 0), gp_Dir(0, -ahead, 0), self._ray(u))), outward=True
+        rows, still = np.arange(len(ends)), np.zeros(len(ends))
+        u, v = ends[:, 0].T
+        turn = (ends[:, 1, 0] - u) / self.wall.centre_radius_mm
+        ahead = np.sign(turn)
+        ray = self._rays(u)
+        rings = [self.wall.meridian_at(v, depth) for depth in depths]
+        traces = tuple(
+            Traces(
+                (
+                    Batch[Curves](
+                        rows, Arcs(at[:, 1:] * Y, ray, _upright(ahead, ray), at[:, 0], np.abs(turn))
+                    ),
+                ),
+                np.full(len(ends), tolerance),
+                self._images(ends),
             )
-        if abs(ra - rb) <= FLAT * abs(ya - yb):
-            return None
-        slant = math.hypot(ra - rb, ya - yb)
-        fall, rise = (-slant, ya - yb) if ra > rb else (slant, yb - ya)  # the axis points to the wider end
-        axis = math.copysign(1.0, rise)
-        frame = gp_Ax3(gp_Pnt(0, ya, 0), gp_Dir(0, axis, 0), self._ray(u))
-        surface = Geom_ConicalSurface(frame, math.atan2(abs(ra - rb), abs(ya - yb)), ra)
-        turn = 1.0 if axis == ahead else -1.0
-        sweep = turn * abs(u1 - u) / self.wall.centre_radius_mm
-        images = (
-            line_2d(0, 0, turn, 0),
-            line_2d(0, fall, turn, 0),
-            line_2d(0, 0, 0, fall),
-            line_2d(sweep, 0, 0, fall),
+            for at in rings
         )
-        return Wall(surface, outward=(ya > yb) == (ahead > 0), images=images)
+        bands: list[Band] = []
+        for (ra, ya), (rb, yb) in pairwise(ring.T for ring in rings):
+            flat = np.abs(ya - yb) <= FLAT * np.abs(ra - rb)
+            # The axis of a cone points to its wider end.
+            rise = np.where(flat, 1.0, np.sign(np.where(ra > rb, ya - yb, yb - ya)))
+            fall = np.hypot(ra - rb, ya - yb) * np.where(ra > rb, -1.0, 1.0)
+            sweep = np.abs(turn) * np.where(rise == ahead, 1.0, -1.0)
+            planes = Planes(ya[:, None] * Y, -ahead[:, None] * Y, ray)
+            angle = np.arctan2(np.abs(ra - rb), np.abs(ya - yb))
+            cones = Cones(ya[:, None] * Y, rise[:, None] * Y, ray, ra, angle)
+            begin, foot, end, far_foot = (
+                np.column_stack(p) for p in ((still, still), (still, fall), (sweep, still), (sweep, fall))
+            )
+            images = tuple(
+                straight(rows, *line)
+                for line in ((begin, end), (foot, far_foot), (begin, foot), (end, far_foot))
+            )
+            plane, cone = np.flatnonzero(flat), np.where(flat, -1, rows)
+            outward = flat | ((ya > yb) == (ahead > 0))
+            surfaces = Batch[Surfaces](plane, planes[plane]), Batch[Surfaces](rows, cones).renumbered(cone)
+            drawn = tuple(tuple(b.renumbered(cone) for b in table) for table in images)
+            bands.append(Band(surfaces, outward, drawn))
+        return Columns(traces, tuple(bands))
 
-    def _meridian(self, line: Line, depth_mm: float) -> Trace:
-        """A straight line on a cylinder, a great circle on a sphere."""
-        (u, v), (_, v1) = line.start, line.end
-        up = math.copysign(1.0, v1 - v)
-        image = line_2d(u / self.wall.centre_radius_mm + math.pi, v * self._speed, 0, up)
-        start = self.points(np.array([line.start]), depth_mm)[0]
-        curve: Geom_Curve
-        if isinstance(self.wall, Sphere):
-            angle = u / self.wall.centre_radius_mm
-            across = np.cross([math.sin(angle), 0.0, math.cos(angle)], [0.0, up, 0.0])
-            frame = gp_Ax2(gp_Pnt(0, 0, 0), direction(across), direction(start))
-            curve = Geom_Circle(frame, self.wall.radius_mm - depth_mm)
-        else:
-            curve = Geom_Line(pnt(start), gp_Dir(0, up, 0))
-        return Trace(curve, 0.0, abs(v1 - v) * self._speed, image)
+    def _meridians(self, ends: Array, depths: Sequence[float]) -> Columns:
+        """Straight lines on a cylinder, great circles on a sphere, in planes through the axis."""
+        rows = np.arange(len(ends))
+        traces: list[Traces] = []
+        for depth in depths:
+            start, end = (self.points(ends[:, k], depth) for k in (0, 1))
+            curves: Curves = Lines(start, end)
+            if isinstance(self.wall, Sphere):
+                turn = (ends[:, 1, 1] - ends[:, 0, 1]) / self.wall.radius_mm
+                radius = self.wall.radius_mm - depth
+                ray = start / radius
+                across = np.cross(self._rays(ends[:, 0, 0]), Y) * np.sign(turn)[:, None]
+                curves = Arcs(0 * ray, ray, np.cross(across, ray), np.full(len(ends), radius), np.abs(turn))
+            tolerance = np.full(len(ends), TOLERANCE_MM)
+            traces.append(Traces((Batch(rows, curves),), tolerance, self._images(ends)))
+        walls = (Batch[Surfaces](rows, self._meridian_planes(ends)),)
+        band = Band(walls, np.ones(len(ends), np.bool_), ((), (), (), ()))
+        return Columns(tuple(traces), (band,) * (len(depths) - 1))
 
-    def _meridian_wall(self, line: Line) -> Wall:
-        """The plane through the axis; its normal points to the right of travel."""
-        up = math.copysign(1.0, line.end[1] - line.start[1])
-        angle = line.start[0] / self.wall.centre_radius_mm
-        right = gp_Dir(up * math.cos(angle), 0, -up * math.sin(angle))
-        return Wall(Geom_Plane(gp_Ax3(gp_Pnt(0, 0, 0), right, Y)), outward=True)
+    def _meridian_planes(self, ends: Array) -> Planes:
+        """Planes through the axis; their normals point to the right of travel."""
+        up = np.sign(ends[:, 1, 1] - ends[:, 0, 1])[:, None]
+        right = np.cross(Y, self._rays(ends[:, 0, 0])) * up
+        return Planes(np.zeros((len(ends), 3)), right, np.broadcast_to(Y, right.shape))
 
-    def _ray(self, u: float) -> gp_Dir:
-        """From the axis to the pattern's u."""
+    def _rays(self, u: Array) -> Array:
+        """From the axis to the pattern's u, (k, 3)."""
         angle = u / self.wall.centre_radius_mm
-        return gp_Dir(math.sin(angle), 0, math.cos(angle))
+        return np.column_stack([np.sin(angle), np.zeros(len(u)), np.cos(angle)])
+
+
+def _upright(ahead: Array, ray: Array) -> Array:
+    """Tangents (k, 3) of circles about the axis that start at some rays."""
+    return ahead[:, None] * np.cross(Y, ray)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,12 +238,14 @@ class ConeChart:
         return True
 
     @lru_cache(maxsize=16)  # noqa: B019 - a chart lives as long as one build
-    def surface(self, depth_mm: float) -> Geom_Surface:
+    def surface(self, depth_mm: float) -> Surfaces:
         frame = gp_Ax3(gp_Pnt(0, 0, 0), gp_Dir(0, -self.wall.upward, 0), BACK)
         angle = self.wall.half_angle_rad
-        return Geom_ConicalSurface(frame, angle, self.wall.radius_mm - depth_mm / math.cos(angle))
+        return ModelledSurfaces(
+            (Geom_ConicalSurface(frame, angle, self.wall.radius_mm - depth_mm / math.cos(angle)),)
+        )
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> list[Column]:
+    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
         return lay_fitted(stacks, levels, self)
 
 
@@ -257,14 +275,14 @@ class HeightFieldChart:
         return True
 
     @lru_cache(maxsize=16)  # noqa: B019 - a chart lives as long as one build
-    def surface(self, depth_mm: float) -> Geom_BSplineSurface:
+    def surface(self, depth_mm: float) -> Surfaces:
         heights = self.wall.heights if depth_mm == 0 else fitted_heights(self.wall, depth_mm)
         x, y = greville(heights.u_knots), greville(heights.v_knots)
         grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
         poles = np.concatenate([grid, heights.poles], axis=-1)
-        return spline_surface(poles, heights.u_knots, heights.v_knots, (DEGREE, DEGREE))
+        return ModelledSurfaces((spline_surface(poles, heights.u_knots, heights.v_knots, (DEGREE, DEGREE)),))
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> list[Column]:
+    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
         return lay_fitted(stacks, levels, self)
 
 

@@ -1,11 +1,8 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Columns on any wall: cubic splines through points of the map, fitted to a stated tolerance, ruled faces
 between.
 
-All segments are sampled at once. Each is interpolated at m + 1 equal fractions of its parameter and
-checked at
-the fractions between; those that miss the tolerance are taken again with twice as many pieces.
+All segments are sampled at once. Each is interpolated at m + 1 equal fractions of its parameter and checked
+at the fractions between; those that miss the tolerance are taken again with twice as many pieces.
 """
 
 from __future__ import annotations
@@ -14,23 +11,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
-from OCP.Geom import Geom_CylindricalSurface, Geom_Plane
+from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern.outline import Arc, Line, Segment
 from perfqr_cad.surface.spline import collocation, not_a_knot
 
-from .chart import Column, Level, Trace, Wall
-from .evaluate import evaluator
-from .occ import TOLERANCE_MM, Array, axes, line_2d, spline_curve, spline_curve_2d
-from .ruled import ruled_wall
-from .sampling import positions, sweep
-
-if TYPE_CHECKING:
-    from OCP.Geom import Geom_Surface
+from .brep import TOLERANCE_MM, Batch
+from .chart import Band, Columns, Images, Level, Traces
+from .geometry import Cones, Curves, Planes, Splines, SplineSurfaces, Surfaces
+from .ruled import box_images, straight
+from .sampling import Array, Indices, by_kind, positions, rounds
 
 # Between a fitted edge and the map. Edges of modules keep 1e-8; the bound is for long edges over many knots.
 FIT_MM = 1e-5
@@ -48,9 +42,15 @@ class Sight:
     origin: Array
     frame: Array
 
-    def at(self, point: tuple[float, float]) -> Array:
-        """A pattern point in the plane through the origin, (3,)."""
-        return self.origin + np.asarray(point) @ self.frame[:2]
+    def at(self, points: Array) -> Array:
+        """Pattern points (k, 2) in the plane through the origin, (k, 3)."""
+        return self.origin + points @ self.frame[:2]
+
+    def planes(self, lines: Sequence[Segment]) -> Planes:
+        """The planes through straight segments along the line of sight; normals to the right of travel."""
+        start, end = (self.at(np.array([getattr(s, name) for s in lines])) for name in ("start", "end"))
+        along = (end - start) / np.linalg.norm(end - start, axis=1)[:, None]
+        return Planes(start, np.cross(along, self.frame[2]), along)
 
 
 class Surveyor(Protocol):
@@ -69,47 +69,52 @@ class Surveyor(Protocol):
         """The same points in the parameters of `surface(depth_mm)`, (k, 2); without jumps along a segment."""
         ...
 
-    def surface(self, depth_mm: float) -> Geom_Surface:
-        """The surface of a face at that depth."""
+    def surface(self, depth_mm: float) -> Surfaces:
+        """The surface of a face at that depth, one."""
         ...
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Rung:
-    """Segments of one level as splines: poles (k, n, 3), error (k,); on faces also image poles (k, n, 2) and
-    how far curves and images are apart there, (k,)."""
+    """Segments of one level as splines: poles (k, n, 3), error (k,); on a face also image poles (k, n, 2),
+    and how far curves and images are apart if that is more, (k,)."""
 
-    level: Level
     poles: Array
     error_mm: Array
+    apart_mm: Array
     images: Array | None = None
-    apart_mm: Array | None = None
+
+    def of(self, rows: Indices) -> _Rung:
+        images = None if self.images is None else self.images[rows]
+        return _Rung(self.poles[rows], self.error_mm[rows], self.apart_mm[rows], images)
 
 
-def lay_fitted(
-    stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...], wall: Surveyor
-) -> list[Column]:
+def lay_fitted(stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...], wall: Surveyor) -> Columns:
     """Columns on stacks of segments, one segment for each level, front first.
 
     Raises `KernelError` where no spline of `MOST` pieces keeps `FIT_MM`.
     """
-    columns: dict[int, Column] = {}
-    todo = list(range(len(stacks)))
+    laid: list[tuple[Indices, Columns]] = []
+    todo = np.arange(len(stacks))
     pieces = FEWEST
-    while todo:
+    while len(todo):
         if pieces > MOST:
             raise KernelError(
                 f"an edge of the pattern misses the surface by over {FIT_MM:g} mm with {MOST} pieces: "
                 "move the code away from creases of the surface"
             )
-        chosen = [stacks[i] for i in todo]
+        chosen = [stacks[i] for i in todo.tolist()]
         rungs = [_rung([s[k] for s in chosen], level, wall, pieces) for k, level in enumerate(levels)]
         good = np.max([rung.error_mm for rung in rungs], axis=0) <= FIT_MM
-        for row in np.flatnonzero(good):
-            columns[todo[row]] = _column(chosen[row], rungs, int(row), pieces, wall)
-        todo = [i for i, done in zip(todo, good, strict=True) if not done]
+        if good.any():
+            rows = np.flatnonzero(good)
+            columns = _columns(
+                [chosen[i] for i in rows.tolist()], [rung.of(rows) for rung in rungs], pieces, wall.sight
+            )
+            laid.append((todo[rows], columns))
+        todo = todo[~good]
         pieces *= 2
-    return [columns[i] for i in range(len(stacks))]
+    return Columns.joined(len(stacks), len(levels), laid)
 
 
 @dataclass(frozen=True)
@@ -140,72 +145,73 @@ def _rung(segments: Sequence[Segment], level: Level, wall: Surveyor, pieces: int
     poles[:, 0], poles[:, -1] = laid[:, 0], laid[:, -1]  # to the bit, so that neighbours meet
     error = np.linalg.norm(net.to_middles @ poles - laid[:, 1::2], axis=2).max(axis=1)
     if not level.on_face:
-        return _Rung(level, poles, error)
+        return _Rung(poles, error, error)
     at = uv[:, ::2].reshape(-1, 2)
     images = net.to_poles @ wall.parameters(at, level.depth_mm).reshape(len(segments), pieces + 1, 2)
-    drawn = (net.to_middles @ images).reshape(-1, 2)
-    on_surface = evaluator(wall.surface(level.depth_mm))(drawn, 1).reshape(len(segments), pieces, 3)
-    apart = np.linalg.norm(net.to_middles @ poles - on_surface, axis=2).max(axis=1)
-    return _Rung(level, poles, error, images, apart)
+    drawn = (net.to_middles @ images).reshape(1, -1, 2)
+    on_surface = wall.surface(level.depth_mm).at(np.zeros(1, np.int64), drawn)
+    apart = net.to_middles @ poles - on_surface.reshape(len(segments), pieces, 3)
+    return _Rung(poles, error, np.maximum(error, np.linalg.norm(apart, axis=2).max(axis=1)), images)
 
 
-def _column(stack: tuple[Segment, ...], rungs: list[_Rung], row: int, pieces: int, wall: Surveyor) -> Column:
-    net = _net(pieces)
-    traces = tuple(_trace(rung, row, net) for rung in rungs)
-    walls = tuple(
-        _wall(stack[k], stack[k + 1], upper.poles[row], lower.poles[row], net, wall)
+def _columns(
+    stacks: Sequence[tuple[Segment, ...]], rungs: list[_Rung], pieces: int, sight: Sight | None
+) -> Columns:
+    net, rows = _net(pieces), np.arange(len(stacks))
+    traces: list[Traces] = []
+    for rung in rungs:
+        curves = (Batch[Curves](rows, Splines(rung.poles, net.knots, DEGREE)),)
+        images = (
+            () if rung.images is None else (Batch[Curves](rows, Splines(rung.images, net.knots, DEGREE)),)
+        )
+        # The greatest distance may lie beside the samples; twice the sampled one bounds a cubic's error.
+        traces.append(Traces(curves, TOLERANCE_MM + 2 * rung.apart_mm, images))
+    bands = [
+        _band([(stack[k], stack[k + 1]) for stack in stacks], upper.poles, lower.poles, net, sight)
         for k, (upper, lower) in enumerate(pairwise(rungs))
-    )
-    return Column(traces, walls)
-
-
-def _trace(rung: _Rung, row: int, net: _Net) -> Trace:
-    """The curve and its image on the face."""
-    curve = spline_curve(rung.poles[row], net.knots, DEGREE)
-    error = float(rung.error_mm[row])
-    if rung.apart_mm is not None:
-        error = max(error, float(rung.apart_mm[row]))
-    # The greatest distance may lie beside the samples; twice the sampled one bounds a cubic's error curve.
-    slack = TOLERANCE_MM + 2 * error
-    image = None if rung.images is None else spline_curve_2d(rung.images[row], net.knots, DEGREE)
-    return Trace(curve, 0.0, 1.0, image, slack)
-
-
-def _wall(upper: Segment, lower: Segment, above: Array, below: Array, net: _Net, wall: Surveyor) -> Wall:
-    """Along one direction, lines stand in planes and arcs in cylinders; all else is ruled."""
-    sight = wall.sight
-    if sight is not None and upper == lower:
-        if isinstance(upper, Line):
-            return upright_plane(upper, sight)
-        if isinstance(upper, Arc):
-            return _upright_cylinder(upper, above, below, net, sight)
-    return ruled_wall(above, below, net.knots, DEGREE)
-
-
-def upright_plane(line: Line, sight: Sight) -> Wall:
-    """The plane through a line of the pattern along the line of sight; its normal is to the right of
-    travel."""
-    start, end = sight.at(line.start), sight.at(line.end)
-    return Wall(Geom_Plane(axes(start, np.cross(end - start, sight.frame[2]), end - start)), outward=True)
-
-
-def _upright_cylinder(arc: Arc, above: Array, below: Array, net: _Net, sight: Sight) -> Wall:
-    """The cylinder through an arc of the pattern along the line of sight; its angle is the arc's own."""
-    centre = sight.at(arc.centre)
-    up = sight.frame[2] if arc.ccw else -sight.frame[2]
-    surface = Geom_CylindricalSurface(axes(centre, up, sight.at(arc.start) - centre), arc.radius)
-    angle = abs(sweep(arc))
-    # Spline poles transform as points do: heights of poles are poles of heights.
-    turned = angle * _identity(net)
-    images = [
-        spline_curve_2d(np.column_stack([turned, (poles - centre) @ up]), net.knots, DEGREE)
-        for poles in (above, below)
     ]
-    fall = -1.0 if arc.ccw else 1.0
-    sides = [line_2d(u, float((above[i] - centre) @ up), 0.0, fall) for u, i in ((0.0, 0), (angle, -1))]
-    return Wall(surface, outward=arc.ccw, images=(images[0], images[1], sides[0], sides[1]))
+    return Columns(tuple(traces), tuple(bands))
 
 
-def _identity(net: _Net) -> Array:
-    """Poles of the spline that is its own parameter."""
-    return net.to_poles @ net.nodes[::2]
+def _band(
+    pairs: Sequence[tuple[Segment, Segment]], above: Array, below: Array, net: _Net, sight: Sight | None
+) -> Band:
+    """Along one direction, lines stand in planes and arcs in cylinders; all else is ruled."""
+    upright = np.array([sight is not None and upper == lower for upper, lower in pairs], np.bool_)
+    kinds = by_kind([upper for upper, _ in pairs])
+    kind_of = np.zeros(len(pairs), np.int64)
+    kind_of[kinds[Line]], kind_of[kinds[Arc]] = 1, 2
+    ruled, flat, round_ = (np.flatnonzero(np.where(upright, kind_of, 0) == k) for k in range(3))
+    outward = np.ones(len(pairs), np.bool_)
+    surfaces = [Batch[Surfaces](ruled, SplineSurfaces.ruled(above[ruled], below[ruled], net.knots, DEGREE))]
+    images = box_images(ruled)
+    if sight is not None and len(flat):
+        surfaces.append(Batch[Surfaces](flat, sight.planes([pairs[i][0] for i in flat.tolist()])))
+    if sight is not None and len(round_):
+        arcs = [pairs[i][0] for i in round_.tolist()]
+        cylinders, sides, outward[round_] = _upright(arcs, round_, above[round_], below[round_], net, sight)
+        surfaces.append(Batch[Surfaces](round_, cylinders))
+        images = tuple(a + b for a, b in zip(images, sides, strict=True))
+    return Band(tuple(surfaces), outward, images)
+
+
+def _upright(
+    segments: Sequence[Segment], rows: Indices, above: Array, below: Array, net: _Net, sight: Sight
+) -> tuple[Cones, Images, NDArray[np.bool_]]:
+    """Cylinders through arcs of the pattern along the line of sight; their angles are the arcs' own."""
+    arcs = rounds(segments)
+    centre, ccw = sight.at(arcs.centre), arcs.sweep_rad > 0
+    up = np.where(ccw, 1.0, -1.0)[:, None] * sight.frame[2]
+    ray = np.column_stack([np.cos(arcs.start_rad), np.sin(arcs.start_rad)]) @ sight.frame[:2]
+    surfaces = Cones(centre, up, ray, arcs.radius, np.zeros(len(arcs.radius)))
+    # Spline poles transform as points do: heights of poles are poles of heights.
+    turned = np.abs(arcs.sweep_rad)[:, None] * (net.to_poles @ net.nodes[::2])
+    over, under = (
+        np.stack([turned, np.einsum("kni,ki->kn", poles - centre[:, None], up)], axis=2)
+        for poles in (above, below)
+    )
+    images = (
+        *((Batch[Curves](rows, Splines(poles, net.knots, DEGREE)),) for poles in (over, under)),
+        *(straight(rows, over[:, end], under[:, end]) for end in (0, -1)),
+    )
+    return surfaces, images, ccw

@@ -17,6 +17,7 @@ import numpy as np
 from perfqr_cad.pattern.outline import Point, Segment
 from perfqr_cad.surface import Triangles
 
+from .caps import caps
 from .chart import Well
 from .recess import Top
 from .sampling import Array, Indices, positions
@@ -68,57 +69,15 @@ def triangulate(
     mesh = _Mesh(place, chord_mm, flat)
     seam = _Seam(tops[0].depth_mm if tops else None, mesh)
     columns = [[seam.ring(ring, k) for k in range(len(ring.levels))] for ring in rings]
-    for face in _faces(rings, back_mm, seam.depth_mm):
-        index = [columns[i][k][:: face.way(k)] for i, k in face.rings]
-        mesh.cap(
-            index, [rings[i].levels[k][:: face.way(k)] for i, k in face.rings], face.depth_mm, up=face.up
-        )
+    for cap in caps(wells, back_mm, seam.depth_mm):
+        index, polygons = [columns[i][k] for i, k in cap.ends], [rings[i].levels[k] for i, k in cap.ends]
+        mesh.cap(index, polygons, cap.depth_mm, up=cap.up)
     for column in columns:
         for upper, lower in pairwise(column):
             mesh.wall(upper, lower)
     for top in tops:
         mesh.cap(*seam.around(top), top.depth_mm, up=True)
     return mesh.triangles()
-
-
-@dataclass(frozen=True)
-class _Face:
-    """A cap: which rings bound it, by number and level (0 or −1), its outline first."""
-
-    depth_mm: float
-    rings: list[tuple[int, int]]
-    up: bool = True
-    turned: int | None = None  # the level whose rings are seen against their direction of travel
-
-    def way(self, k: int) -> int:
-        """1, or −1 for a ring that is to be turned round."""
-        return -1 if k == self.turned else 1
-
-
-def _faces(rings: Sequence[Ring], back_mm: float, seam_mm: float | None) -> list[_Face]:
-    """The pieces of the front, the back, floors and crests."""
-    fronts: dict[int, list[tuple[int, int]]] = {}
-    crests: dict[int, list[tuple[int, int]]] = {}
-    floors: dict[int, list[tuple[int, int]]] = {}
-    back: list[tuple[int, int]] = []
-    for i, ring in enumerate(rings):
-        well = ring.well
-        if well.crest:
-            crests.setdefault(well.crest, []).append((i, 0))
-            fronts.setdefault(well.piece, []).append((i, -1))
-            continue
-        if ring.depths_mm[0] != seam_mm:
-            fronts.setdefault(well.piece, []).append((i, 0))
-        if well.floor:
-            floors.setdefault(well.floor, []).append((i, -1))
-        elif ring.depths_mm[-1] != seam_mm:
-            back.append((i, -1))
-    return [
-        *(_Face(rings[0].depths_mm[0], found, turned=-1) for _, found in sorted(fronts.items())),
-        _Face(back_mm, back, up=False),
-        *(_Face(rings[found[0][0]].depths_mm[0], found) for found in crests.values()),
-        *(_Face(rings[found[0][0]].depths_mm[-1], found, turned=-1) for found in floors.values()),
-    ]
 
 
 def flattened(

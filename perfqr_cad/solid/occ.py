@@ -41,8 +41,6 @@ SOLID = TopAbs_ShapeEnum.TopAbs_SOLID
 FORWARD = TopAbs_Orientation.TopAbs_FORWARD
 REVERSED = TopAbs_Orientation.TopAbs_REVERSED
 
-TOLERANCE_MM = 1e-7  # Precision::Confusion of the kernel
-
 
 @contextmanager
 def kernel(doing: str, remedy: str) -> Generator[None, None, None]:

@@ -1,27 +1,25 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The chart of a flat plate: every curve and every wall exact."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
-from OCP.Geom import Geom_Circle, Geom_ConicalSurface, Geom_CylindricalSurface, Geom_Line, Geom_Plane
-from OCP.gp import gp_Ax2, gp_Ax3, gp_Dir, gp_Pnt
+from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Segment
+from perfqr_cad.pattern.outline import Bezier, Line, Segment
 from perfqr_cad.surface import Plane
 
-from .chart import Column, Level, Trace, Wall
-from .occ import Array, line_2d, spline_curve
-from .ruled import oblique_wall, ruled_wall
+from .brep import TOLERANCE_MM, Batch, CurveTable
+from .chart import Band, Columns, Images, Level, Traces
+from .geometry import Arcs, Cones, Curves, Lines, Planes, Splines, SplineSurfaces, Surfaces
+from .ruled import box_images, oblique, spans_of, straight
+from .sampling import Array, Indices, by_kind, rounds
 
-UP, DOWN = gp_Dir(0, 0, 1), gp_Dir(0, 0, -1)
+UP, ALONG = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 BEZIER_KNOTS = (0.0,) * 4 + (1.0,) * 4
 # Arcs above one another are concentric, or meet their neighbours smoothly, to within this share of a radius.
 SAME = 1e-9
@@ -42,103 +40,130 @@ class PlaneChart:
     def points(self, uv: Array, depth_mm: float) -> Array:
         return self.plate.at_depth(uv, depth_mm)
 
-    @lru_cache(maxsize=8)  # noqa: B019 - a chart lives as long as one build
-    def surface(self, depth_mm: float) -> Geom_Plane:
-        return Geom_Plane(gp_Ax3(gp_Pnt(0, 0, self._z(depth_mm)), UP, gp_Dir(1, 0, 0)))
+    def surface(self, depth_mm: float) -> Planes:
+        return Planes(np.array([[0.0, 0.0, self._z(depth_mm)]]), UP[None], ALONG[None])
 
     def towards_reader(self, depth_mm: float) -> bool:
         return True
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> list[Column]:
-        heights = [self._z(level.depth_mm) for level in levels]
-        return [self._column(stack, heights) for stack in stacks]
-
-    def _column(self, stack: tuple[Segment, ...], heights: list[float]) -> Column:
-        traces = tuple(_trace(s, z) for s, z in zip(stack, heights, strict=True))
-        bands = zip(stack, stack[1:], heights, heights[1:], traces, traces[1:], strict=False)
-        return Column(traces, tuple(_wall(*band) for band in bands))
+    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
+        kinds = {kind: rows for kind, rows in by_kind([stack[0] for stack in stacks]).items() if len(rows)}
+        drawn = [
+            tuple(
+                Batch(rows, _drawn([stacks[i][k] for i in rows], kind, self._z(level.depth_mm)))
+                for kind, rows in kinds.items()
+            )
+            for k, level in enumerate(levels)
+        ]
+        tolerance = np.full(len(stacks), TOLERANCE_MM)
+        traces = tuple(Traces(curves, tolerance) for curves in drawn)
+        return Columns(traces, tuple(_band(upper, lower, len(stacks)) for upper, lower in pairwise(drawn)))
 
     def _z(self, depth_mm: float) -> float:
         return self.plate.thickness_mm - depth_mm
 
 
-def _trace(segment: Segment, z: float) -> Trace:
-    match segment:
-        case Line((x, y), (x1, y1)):
-            length = math.hypot(x1 - x, y1 - y)
-            return Trace(Geom_Line(gp_Pnt(x, y, z), gp_Dir(x1 - x, y1 - y, 0)), 0.0, length)
-        case Bezier():
-            return Trace(spline_curve(_poles(segment, z), BEZIER_KNOTS, 3), 0.0, 1.0)
-        case Arc() | Circle():
-            frame = gp_Ax2(gp_Pnt(*segment.centre, z), UP if segment.ccw else DOWN, _start_ray(segment))
-            return Trace(Geom_Circle(frame, segment.radius), 0.0, _sweep(segment))
+def _drawn(segments: Sequence[Segment], kind: type, z: float) -> Curves:
+    """Segments of one kind at a height."""
+    if len(by_kind(segments)[kind]) < len(segments):
+        raise KernelError(f"a {kind.__name__} can stand only above its own kind: part the outlines alike")
+    if kind is Line:
+        ends = np.array([(s.start, s.end) for s in segments])
+        return Lines(_raised(ends[:, 0], z), _raised(ends[:, 1], z))
+    if kind is Bezier:
+        poles = np.array([s.controls for s in segments if isinstance(s, Bezier)])
+        return Splines(_raised(poles, z), BEZIER_KNOTS, 3)
+    centre, radius, start, sweep = rounds(segments)
+    x = np.column_stack([np.cos(start), np.sin(start), np.zeros(len(start))])
+    y = np.cross(UP, x) * np.sign(sweep)[:, None]
+    return Arcs(_raised(centre, z), x, y, radius, np.abs(sweep))
 
 
-def _wall(upper: Segment, lower: Segment, z0: float, z1: float, top: Trace, bottom: Trace) -> Wall:
-    """The wall between two segments of one kind, from height z0 down to z1."""
-    match upper, lower:
-        case Line(), Line():
-            return _flat_wall(upper, lower, z0, z1)
-        case ((Arc() | Circle()), (Arc() | Circle())) if _concentric(upper, lower):
-            return _round_wall(upper, lower, z0, z1)
-        case ((Arc() | Circle()), (Arc() | Circle())):
-            return oblique_wall(top, bottom)
-        case Bezier(), Bezier():
-            return ruled_wall(_poles(upper, z0), _poles(lower, z1), BEZIER_KNOTS, 3)
-        case _:
-            raise KernelError(f"a {type(upper).__name__} cannot stand above a {type(lower).__name__}")
+def _raised(points: Array, z: float) -> Array:
+    return np.concatenate([points, np.full((*points.shape[:-1], 1), z)], axis=-1)
 
 
-def _flat_wall(upper: Line, lower: Line, z0: float, z1: float) -> Wall:
-    """The plane through two parallel lines; its normal points to the right of travel."""
-    (x, y), (x1, y1) = upper.start, upper.end
-    length = math.hypot(x1 - x, y1 - y)
-    dx, dy = (x1 - x) / length, (y1 - y) / length
-    outset = (lower.start[0] - x) * dy - (lower.start[1] - y) * dx  # the lower line lies so far to the right
-    normal = gp_Dir(dy * (z0 - z1), -dx * (z0 - z1), outset)
-    return Wall(Geom_Plane(gp_Ax3(gp_Pnt(x, y, z0), normal, gp_Dir(dx, dy, 0))), outward=True)
-
-
-def _round_wall(upper: Arc | Circle, lower: Arc | Circle, z0: float, z1: float) -> Wall:
-    """The cylinder or cone through two concentric arcs of the same sweep.
-
-    A cone's axis points to its wider end, as STEP asks (ISO 10303-42: 0 < semi-angle < 90°).
-    """
-    wider = lower.radius - upper.radius
-    drop = z0 - z1
-    cone = abs(wider) > SAME * upper.radius
-    up = not (wider > 0) if cone else upper.ccw
-    frame = gp_Ax3(gp_Pnt(*upper.centre, z0), UP if up else DOWN, _start_ray(upper))
-    slant = math.hypot(wider, drop) if cone else drop
-    fall = -slant if up else slant
-    turn = 1.0 if up == upper.ccw else -1.0  # the surface's angle against the arc's
-    sweep = turn * _sweep(upper)
-    images = (
-        line_2d(0, 0, turn, 0),
-        line_2d(0, fall, turn, 0),
-        line_2d(0, 0, 0, fall),
-        line_2d(sweep, 0, 0, fall),
+def _band(upper: CurveTable, lower: CurveTable, count: int) -> Band:
+    """The walls between segments of the same kinds on two levels."""
+    walls = [
+        wall
+        for over, under in zip(upper, lower, strict=True)
+        for wall in _walls(over.rows, over.of, under.of)
+    ]
+    outward = np.ones(count, np.bool_)
+    for wall in walls:
+        outward[wall.rows] = wall.outward
+    images = tuple(
+        tuple(batch for wall in walls if wall.images for batch in wall.images[i]) for i in range(4)
     )
-    if cone:
-        surface = Geom_ConicalSurface(frame, math.atan2(abs(wider), drop), upper.radius)
-    else:
-        surface = Geom_CylindricalSurface(frame, upper.radius)
-    return Wall(surface, outward=upper.ccw, images=images)
+    surfaces = tuple(Batch(wall.rows, wall.surfaces) for wall in walls)
+    return Band(surfaces, outward, images)
 
 
-def _concentric(a: Arc | Circle, b: Arc | Circle) -> bool:
-    return math.dist(a.centre, b.centre) <= SAME * a.radius and abs(_sweep(a) - _sweep(b)) <= SAME
+@dataclass(frozen=True, eq=False)
+class _Walls:
+    """Walls of one kind: on which segments, and as in `Band`."""
+
+    rows: Indices
+    surfaces: Surfaces
+    images: Images | None = None
+    outward: NDArray[np.bool_] | bool = True
 
 
-def _poles(segment: Bezier, z: float) -> Array:
-    return np.array([(*p, z) for p in segment.controls])
+def _walls(rows: Indices, upper: Curves, lower: Curves) -> list[_Walls]:
+    match upper, lower:
+        case Lines(), Lines():
+            return [_Walls(rows, _flat(upper, lower))]
+        case Splines(), Splines():
+            surfaces = SplineSurfaces.ruled(upper.poles, lower.poles, BEZIER_KNOTS, 3)
+            return [_Walls(rows, surfaces, box_images(rows))]
+        case Arcs(), Arcs():
+            return _round(rows, upper, lower)
+        case _:
+            raise AssertionError("segments of a stack are of one kind")
 
 
-def _start_ray(segment: Arc | Circle) -> gp_Dir:
-    (x, y), (cx, cy) = segment.start, segment.centre
-    return gp_Dir(x - cx, y - cy, 0)
+def _flat(upper: Lines, lower: Lines) -> Planes:
+    """The planes through parallel lines; their normals point to the right of travel."""
+    along = (upper.end - upper.start) / upper.length[:, None]
+    normal = np.cross(along, upper.start - lower.start)
+    return Planes(upper.start, normal / np.linalg.norm(normal, axis=1)[:, None], along)
 
 
-def _sweep(segment: Arc | Circle) -> float:
-    """Angle swept in the direction of travel, positive."""
-    return math.tau if isinstance(segment, Circle) else abs(segment.sweep_rad)
+def _round(rows: Indices, upper: Arcs, lower: Arcs) -> list[_Walls]:
+    """Cylinders and cones between arcs that are concentric and of the same sweep, oblique ones between
+    others."""
+    apart = np.hypot(*(upper.centre - lower.centre)[:, :2].T)
+    same = (apart <= SAME * upper.radius) & (np.abs(upper.sweep - lower.sweep) <= SAME)
+    spans = spans_of(upper, lower)
+    on = np.flatnonzero(same)
+    found = [_cones(rows[on], upper[on], lower[on])] if len(on) else []
+    for count in np.unique(spans[~same]).tolist():
+        on = np.flatnonzero(~same & (spans == count))
+        found.append(_Walls(rows[on], *oblique(upper[on], lower[on], count, rows[on])))
+    return found
+
+
+def _cones(rows: Indices, upper: Arcs, lower: Arcs) -> _Walls:
+    """A cone's axis points to its wider end, as STEP asks (ISO 10303-42: 0 < semi-angle < 90°)."""
+    wider = lower.radius - upper.radius
+    drop = (upper.centre - lower.centre)[:, 2]
+    ccw = upper.axis[:, 2] > 0
+    cone = np.abs(wider) > SAME * upper.radius
+    up = np.where(cone, wider <= 0, ccw)
+    slant = np.where(cone, np.hypot(wider, drop), drop)
+    fall = np.where(up, -slant, slant)
+    turn = np.where(up == ccw, upper.sweep, -upper.sweep)  # the surface's angle against the arc's
+    none = np.zeros(len(rows))
+    begin, foot, end, far_foot = (
+        np.column_stack(uv) for uv in ((none, none), (none, fall), (turn, none), (turn, fall))
+    )
+    images = (
+        straight(rows, begin, end),
+        straight(rows, foot, far_foot),
+        straight(rows, begin, foot),
+        straight(rows, end, far_foot),
+    )
+    axis = UP * np.where(up, 1.0, -1.0)[:, None]
+    angle = np.where(cone, np.arctan2(np.abs(wider), drop), 0.0)
+    return _Walls(rows, Cones(upper.centre, axis, upper.x, upper.radius, angle), images, ccw)

@@ -1,12 +1,10 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Proof that a solid is valid, in time linear in its edges (to a logarithm).
 
 `BRepCheck` compares the edges of a face pair by pair, which is quadratic on a perforated face, and passes
-solids
-that touch themselves. Here the shell is shown to be a closed, oriented 2-manifold with geometry to match:
+solids that touch themselves. Here the shell is shown to be a closed, oriented 2-manifold with geometry to
+match:
 
-1. one solid of one shell; every wire runs head to tail;
+1. one shell, of one piece; every loop runs head to tail;
 2. every edge is used twice, in opposite directions: the shell is closed and oriented;
 3. the faces around every vertex form one fan, and no two vertices coincide: nothing touches at a point;
 4. every edge runs from vertex to vertex, and lies on both its faces, within its tolerance;
@@ -20,22 +18,25 @@ both their ends, and widen monotonically between.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import shapely
-from OCP.TopoDS import TopoDS_Shape
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
 
-from . import occ
-from .occ import SHELL, SOLID, Array
-from .survey import Shell, at, survey
+from . import flux
+from .brep import Brep, owners
+from .samples import Samples
+from .sampling import Array, Indices
 
 VERTEX_MM = 1e-6  # vertices of a part of whole millimetres that are this close are one
+SLACK = 1.5  # between points sampled here and the tolerance that an edge was given from other points
 
 
 def check(
-    shape: TopoDS_Shape,
+    brep: Brep,
     *,
     genus: int | None = None,
     expected_volume_mm3: float | None = None,
@@ -45,18 +46,18 @@ def check(
     """What is wrong with a solid, one line each; empty when nothing is.
 
     genus                number of through-holes, where it is known
-    expected_volume_mm3  from the outline, and the share of it by which the modeller's volume may differ
-    volume_mm3           the modeller's, where it was taken already
+    expected_volume_mm3  from the outline, and the share of it by which the measured volume may differ
+    volume_mm3           as measured on the faces, where that was done already
     """
-    counts = [occ.count(shape, kind) for kind in (SOLID, SHELL)]
-    if counts != [1, 1]:
-        return (f"{counts[0]} solids of {counts[1]} shells, not one of one",)
-    shell = survey(shape)
-    found = [*shell.problems, *_closed(shell), *_manifold(shell), *_apart(shell), *_loops(shell)]
+    samples = Samples(brep)
+    if missing := _missing(samples):
+        return missing
+    found = [*_whole(brep), *_chained(brep), *_closed(brep), *_manifold(brep), *_apart(brep)]
+    found += [*_on_vertices(samples), *_on_faces(samples), *_loops(samples)]
     if not found:
-        found += _euler(shell, genus)
-    volume = occ.volume(shape) if volume_mm3 is None else volume_mm3
-    if volume <= 0:
+        found += _euler(brep, genus)
+    volume = flux.volume_mm3(brep) if volume_mm3 is None else volume_mm3
+    if not volume > 0:
         found.append(f"volume {volume:.6g} mm³: the shell is inside out")
     elif (
         expected_volume_mm3 is not None
@@ -69,69 +70,123 @@ def check(
     return tuple(found)
 
 
-def _closed(shell: Shell) -> list[str]:
+def _missing(samples: Samples) -> tuple[str, ...]:
+    """What there is nothing to look at without."""
+    brep = samples.brep
+    flaws = {
+        f"{len(brep.shells) - 1} shells, not one": np.array(len(brep.shells) != 2),
+        "an edge has no vertex at an end": brep.ends < 0,
+        "an edge has no curve": np.isnan(samples.drawn),
+        "an edge has no image on its curved face": np.isnan(samples.imaged[~samples.flat]),
+        "a face has no outline": np.diff(brep.bounds) == 0,
+        "a loop has no edges": np.diff(brep.loops) == 0,
+    }
+    return tuple(flaw for flaw, where in flaws.items() if where.any())
+
+
+def _whole(brep: Brep) -> list[str]:
+    """All faces hang together by their edges."""
+    size = brep.face_count + len(brep.ends)
+    links = brep.face_of_use, brep.face_count + brep.edges
+    graph = coo_array((np.ones(len(brep.edges)), links), shape=(size, size))
+    count, _ = connected_components(graph, directed=False)
+    return [f"the shell is in {count} pieces"] if count > 1 else []
+
+
+def _chained(brep: Brep) -> list[str]:
+    """Loops run head to tail."""
+    broken = np.flatnonzero(brep.heads != brep.tails[brep.following])
+    return [f"a loop is broken at {at(brep.points[v])}" for v in brep.heads[broken]]
+
+
+def _closed(brep: Brep) -> list[str]:
     """Every edge twice, once in each direction."""
-    index, ahead = (np.array(x) for x in zip(*shell.uses, strict=True))
-    size = max(shell.ends) + 1
-    on, back = (np.bincount(index[ahead == way], minlength=size) for way in (True, False))
-    used = np.array(sorted(shell.ends))
-    wrong = np.flatnonzero((on[used] != 1) | (back[used] != 1))
-    return [f"{len(wrong)} edges are not shared by two faces in opposite directions"] if len(wrong) else []
+    on, back = (np.bincount(brep.edges[brep.ahead == way], minlength=len(brep.ends)) for way in (True, False))
+    wrong = np.count_nonzero((on != 1) | (back != 1))
+    return [f"{wrong} edges are not shared by two faces in opposite directions"] if wrong else []
 
 
-def _manifold(shell: Shell) -> list[str]:
-    """The corners of faces around a vertex link its edges into one ring."""
-    nodes = np.array([2 * i + end for i in shell.ends for end in (0, 1)])
-    of_vertex = np.array([v for ends in shell.ends.values() for v in ends])
-    order = np.full(int(nodes.max()) + 1, -1)
-    order[nodes] = np.arange(len(nodes))
-    links = order[np.array(shell.corners)]
-    graph = coo_array((np.ones(len(links)), (links[:, 0], links[:, 1])), shape=(len(nodes), len(nodes)))
+def _manifold(brep: Brep) -> list[str]:
+    """The corners of faces around a vertex link the ends of its edges into one ring."""
+    heads = 2 * brep.edges + brep.ahead
+    tails = (2 * brep.edges + ~brep.ahead)[brep.following]
+    size = 2 * len(brep.ends)
+    graph = coo_array((np.ones(len(heads)), (heads, tails)), shape=(size, size))
     _, fan = connected_components(graph, directed=False)
-    fans = np.unique(np.column_stack([of_vertex, fan]), axis=0)
-    doubled = np.flatnonzero(np.bincount(fans[:, 0]) > 1)
-    return [f"the solid touches itself at the vertex {at(shell.points[v])}" for v in doubled]
+    pairs = np.unique(brep.ends.ravel() * size + fan)
+    doubled = np.flatnonzero(np.bincount(pairs // size) > 1)
+    return [f"the solid touches itself at the vertex {at(brep.points[v])}" for v in doubled]
 
 
-def _apart(shell: Shell) -> list[str]:
+def _apart(brep: Brep) -> list[str]:
     """No two vertices in one place."""
-    pairs = cKDTree(shell.points).query_pairs(VERTEX_MM)
-    return [f"two vertices coincide at {at(shell.points[a])}" for a, _ in sorted(pairs)]
+    pairs = cKDTree(brep.points).query_pairs(VERTEX_MM)
+    return [f"two vertices coincide at {at(brep.points[a])}" for a, _ in sorted(pairs)]
 
 
-def _loops(shell: Shell) -> list[str]:
-    """Outlines are simple, apart, nested, and run with the face on their left."""
-    outer: list[Array] = []
-    inner: list[list[Array]] = []
-    found: list[str] = []
-    for outlines in shell.polygons:
-        sizes = [_area(o) for o in outlines]
-        if not outlines or any(len(o) < 3 for o in outlines):
-            found.append("a face has no outline")
-            continue
-        first = int(np.argmax(np.abs(sizes)))
-        if sizes[first] < 0 or any(size > 0 for k, size in enumerate(sizes) if k != first):
-            found.append("a loop of a face runs the wrong way round")
-        outer.append(outlines[first])
-        inner.append([o for k, o in enumerate(outlines) if k != first])
-    polygons = np.array([shapely.Polygon(o, i) for o, i in zip(outer, inner, strict=True)])
-    for row in np.flatnonzero(~shapely.is_valid(polygons)):
-        found.append(f"the loops of a face cross or touch: {shapely.is_valid_reason(polygons[row])}")
+def _on_vertices(samples: Samples) -> list[str]:
+    """Every edge has an extent, and runs from vertex to vertex."""
+    brep, drawn = samples.brep, samples.drawn
+    extent = np.abs(drawn[:, 1:] - drawn[:, :1]).max(axis=(1, 2), initial=0.0)
+    found = [f"an edge has no extent at {at(p)}" for p in drawn[extent == 0, 0]]
+    for place, end in ((0, 0), (-1, 1)):
+        there = brep.points[brep.ends[:, end]]
+        missed = np.sqrt(((drawn[:, place] - there) ** 2).sum(axis=1))
+        found += [
+            f"an edge misses its vertex by {missed[edge]:.2g} mm at {at(there[edge])}"
+            for edge in np.flatnonzero(missed > SLACK * brep.tolerance_mm)
+        ]
     return found
 
 
-def _euler(shell: Shell, genus: int | None) -> list[str]:
-    """Euler and Poincaré's formula for faces with inner loops; not applied where poles degenerate edges."""
-    if shell.degenerate:
-        return []
-    inner = sum(len(outlines) - 1 for outlines in shell.polygons)
-    euler = len(shell.points) - len(shell.ends) + len(shell.polygons) - inner
+def _on_faces(samples: Samples) -> list[str]:
+    """Every edge lies on its faces."""
+    brep, off = samples.brep, samples.off_faces
+    limit = brep.tolerance_mm[brep.edges]
+    return [
+        f"an edge at {at(brep.points[brep.tails[use]])} is {off[use]:.2g} mm off its face "
+        f"(limit {limit[use]:.2g} mm)"
+        for use in np.flatnonzero(off > SLACK * limit)
+    ]
+
+
+def _loops(samples: Samples) -> list[str]:
+    """Outlines are simple, apart, nested, and run with the face on their left."""
+    corners, starts = samples.outlines
+    if (np.diff(starts) < 3).any():
+        return ["a loop has no area"]
+    face = samples.brep.face_of_loop
+    sizes = _areas(corners, starts)
+    rightly = np.full(len(face), -1.0)
+    rightly[samples.brep.bounds[:-1]] = 1.0
+    wrong = np.count_nonzero(sizes * rightly <= 0)
+    found = [f"{wrong} loops of faces run the wrong way round"] if wrong else []
+    rings = np.asarray(shapely.linearrings(corners, indices=owners(starts)))
+    polygons = np.asarray(shapely.polygons(rings, indices=face))
+    return found + [
+        f"the loops of a face cross or touch: {shapely.is_valid_reason(polygon)}"
+        for polygon in polygons[~shapely.is_valid(polygons)]
+    ]
+
+
+def _areas(corners: Array, starts: Indices) -> Array:
+    """Signed areas (L,) of polygons."""
+    after = np.arange(1, len(corners) + 1)
+    after[starts[1:] - 1] = starts[:-1]
+    (x, y), (x1, y1) = corners.T, corners[after].T
+    return np.add.reduceat(x * y1 - x1 * y, starts[:-1]) / 2
+
+
+def _euler(brep: Brep, genus: int | None) -> list[str]:
+    """Euler and Poincaré's formula for faces with inner loops."""
+    inner = len(brep.face_of_loop) - brep.face_count
+    euler = len(brep.points) - len(brep.ends) + brep.face_count - inner
     if euler % 2 or euler > 2:
         return [f"Euler characteristic {euler} is that of no closed solid"]
     holes = (2 - euler) // 2
     return [] if genus is None or holes == genus else [f"{holes} through-holes, not {genus}"]
 
 
-def _area(polygon: Array) -> float:
-    x, y = polygon.T
-    return float(x[:-1] @ y[1:] - y[:-1] @ x[1:] + x[-1] * y[0] - y[-1] * x[0]) / 2
+def at(p: Iterable[float]) -> str:
+    """A point for people."""
+    return "({:.3f}, {:.3f}, {:.3f})".format(*p)

@@ -18,6 +18,7 @@ from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.bridge import LEAST_SLOT_MM
 from perfqr_cad.pattern.outline import Line, Loop, Point, Segment
 
+from .caps import Cap
 from .chart import Level, Well
 
 CLEAR_MM = 1e-3  # between a bar's side and the ends of the edge that it stands on
@@ -38,6 +39,11 @@ class Top:
 
     loop: Loop
     depth_mm: float
+
+    @property
+    def cap(self) -> Cap:
+        """Its face, which no end of a well bounds."""
+        return Cap(self.depth_mm, ())
 
 
 class Mark(NamedTuple):

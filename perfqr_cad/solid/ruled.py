@@ -1,101 +1,84 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Ruled walls: straight lines between a curve on one level and a curve on the next."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-
 import numpy as np
-from OCP.Geom import Geom_Circle
-from OCP.Geom2d import Geom2d_BSplineCurve
 
-from .chart import Trace, Wall
-from .occ import Array, line_2d, spline_curve_2d, spline_surface
-from .sampling import quarters
+from .brep import Batch, CurveTable
+from .chart import Images
+from .geometry import Arcs, Curves, Lines, Splines, SplineSurfaces
+from .sampling import Array, Indices, quarters
 
-RULING_KNOTS = (0.0, 0.0, 1.0, 1.0)
 # A rational quadratic span covers at most a quarter turn; its angle-to-parameter map is fitted by this many
 # cubics, which leaves h⁴/384·|t⁗| < 1e-7 of a span.
 PIECES = 24
 
 
-def ruled_wall(upper: Array, lower: Array, knots: Sequence[float], degree: int) -> Wall:
-    """The ruled face between two splines of the same degree and knots, by their (k, 3) poles; exact on both.
+def straight(rows: Indices, start: Array, end: Array) -> CurveTable:
+    """Straight images between parameters (k, 2), or the same (2,) for all."""
+    shape = len(rows), 2
+    return (Batch[Curves](rows, Lines(np.broadcast_to(start, shape), np.broadcast_to(end, shape))),)
 
-    The surface's second parameter runs from the lower curve (0) to the upper (1), so that its own normal
-    points to the right of travel.
-    """
-    surface = spline_surface(np.stack([lower, upper], axis=1), knots, RULING_KNOTS, (degree, 1))
-    images = (
-        line_2d(0, 1, 1, 0),
-        line_2d(0, 0, 1, 0),
-        falling(knots[0], math.dist(upper[0], lower[0])),
-        falling(knots[-1], math.dist(upper[-1], lower[-1])),
+
+def box_images(rows: Indices, u: float = 1.0) -> Images:
+    """The images of a ruled wall's edges on surfaces whose parameters run to (u, 1)."""
+    foot, head, far_foot, far_head = (np.array(p) for p in ((0, 0.0), (0, 1.0), (u, 0), (u, 1)))
+    return (
+        straight(rows, head, far_head),
+        straight(rows, foot, far_foot),
+        straight(rows, head, foot),
+        straight(rows, far_head, far_foot),
     )
-    return Wall(surface, outward=True, images=images)
 
 
-def oblique_wall(top: Trace, bottom: Trace) -> Wall:
-    """The ruled face between two circular arcs that are not concentric: an oblique cone or cylinder, exact.
+def oblique(top: Arcs, bottom: Arcs, spans: int, rows: Indices) -> tuple[SplineSurfaces, Images]:
+    """The ruled faces between circular arcs that are not concentric: oblique cones or cylinders, exact, of so
+    many rational spans.
 
-    Its long edges are the arcs themselves; their images are fitted, since an angle is no rational function of
-    the surface's parameter.
+    Their long edges are the arcs themselves, whose images are fitted, since an angle is no rational function
+    of the surface's parameter.
     """
-    spans = quarters(max(top.last, bottom.last))
     (upper, upper_weights), (lower, lower_weights) = _rational(top, spans), _rational(bottom, spans)
-    knots = [0.0, *np.repeat(np.arange(spans + 1.0), 2), float(spans)]
-    surface = spline_surface(
-        np.stack([lower, upper], axis=1),
-        knots,
-        RULING_KNOTS,
-        (2, 1),
-        np.stack([lower_weights, upper_weights], axis=1),
+    knots = (0.0, *np.repeat(np.arange(spans + 1.0), 2).tolist(), float(spans))
+    plain = SplineSurfaces.ruled(upper, lower, knots, 2)
+    weights = np.stack([lower_weights, upper_weights], axis=2)
+    surfaces = SplineSurfaces(plain.poles, knots, plain.v_knots, plain.degrees, weights)
+    over, under = (
+        (Batch[Curves](rows, _turning(arcs.sweep, spans, v)),) for arcs, v in ((top, 1.0), (bottom, 0.0))
     )
-    images = (
-        _turning(top.last, spans, 1.0),
-        _turning(bottom.last, spans, 0.0),
-        falling(0.0, math.dist(upper[0], lower[0])),
-        falling(float(spans), math.dist(upper[-1], lower[-1])),
-    )
-    return Wall(surface, outward=True, images=images)
+    return surfaces, (over, under, *box_images(rows, float(spans))[2:])
 
 
-def falling(u: float, length: float) -> Geom2d_BSplineCurve:
-    """Image of a side edge, by its arc length, on a ruled surface: from the upper curve to the lower."""
-    return spline_curve_2d(np.array([[u, 1.0], [u, 0.0]]), (0.0, 0.0, length, length), 1)
+def spans_of(top: Arcs, bottom: Arcs) -> Indices:
+    """In how many rational spans the wall between two arcs is made, (k,)."""
+    return np.array([quarters(angle) for angle in np.maximum(top.sweep, bottom.sweep).tolist()], np.int64)
 
 
-def _rational(arc: Trace, spans: int) -> tuple[Array, Array]:
-    """Poles (2·spans + 1, 3) and weights of an arc as rational quadratics of equal sweep."""
-    circle = arc.curve
-    assert isinstance(circle, Geom_Circle)
-    centre, frame = circle.Location(), circle.Position()
-    x, y = frame.XDirection(), frame.YDirection()
-    half = arc.last / spans / 2
-    weights = np.tile([1.0, math.cos(half)], spans + 1)[:-1]
-    angle = half * np.arange(2 * spans + 1)
-    reach = circle.Radius() / weights
-    across, along = reach * np.cos(angle), reach * np.sin(angle)
-    axes = np.array([[x.X(), x.Y(), x.Z()], [y.X(), y.Y(), y.Z()]])
-    poles = np.array([centre.X(), centre.Y(), centre.Z()]) + np.column_stack([across, along]) @ axes
+def _rational(arcs: Arcs, spans: int) -> tuple[Array, Array]:
+    """Poles (k, 2·spans + 1, 3) and weights (k, 2·spans + 1) of arcs as rational quadratics."""
+    half = arcs.sweep[:, None] / spans / 2
+    step = np.arange(2 * spans + 1)
+    weights = np.where(step % 2, np.cos(half), 1.0)
+    reach = arcs.radius[:, None] / weights
+    across, along = reach * np.cos(half * step), reach * np.sin(half * step)
+    poles = arcs.centre[:, None] + across[..., None] * arcs.x[:, None] + along[..., None] * arcs.y[:, None]
     return poles, weights
 
 
-def _turning(sweep: float, spans: int, v: float) -> Geom2d_BSplineCurve:
-    """The parameter of a rational arc over its angle, as cubic Hermite pieces at constant v.
+def _turning(sweep: Array, spans: int, v: float) -> Splines:
+    """The parameter of rational arcs over their angle, as cubic Hermite pieces at constant v.
 
     Within a span of half-angle a, t = ½(1 + tan(φ/2)/tan(a/2)) for φ from −a to a.
     """
-    half = sweep / spans / 2
-    phi = np.linspace(-half, half, PIECES + 1)
-    step = 2 * half / PIECES
-    value = (1 + np.tan(phi / 2) / math.tan(half / 2)) / 2
-    slope = 1 / (4 * np.cos(phi / 2) ** 2 * math.tan(half / 2))
+    half = sweep[:, None] / spans / 2
+    phi, step = half * np.linspace(-1.0, 1.0, PIECES + 1), 2 * half / PIECES
+    value = (1 + np.tan(phi / 2) / np.tan(half / 2)) / 2
+    slope = 1 / (4 * np.cos(phi / 2) ** 2 * np.tan(half / 2))
     # A C¹ cubic spline with double knots has the inner Bézier points of its pieces as poles.
-    inner = np.column_stack([value[:-1] + slope[:-1] * step / 3, value[1:] - slope[1:] * step / 3])
-    u = np.concatenate([[0.0], *(span + inner.ravel() for span in range(spans)), [float(spans)]])
-    breaks = np.linspace(0, sweep, spans * PIECES + 1)
-    knots = [breaks[0], breaks[0], *np.repeat(breaks, 2), breaks[-1], breaks[-1]]
-    return spline_curve_2d(np.column_stack([u, np.full_like(u, v)]), knots, 3)
+    rise = slope * step / 3
+    inner = np.stack([(value + rise)[:, :-1], (value - rise)[:, 1:]], axis=2).reshape(len(sweep), -1)
+    zero = np.zeros((len(sweep), 1))
+    u = np.concatenate([zero, *(span + inner for span in range(spans)), zero + spans], axis=1)
+    breaks = np.linspace(0.0, 1.0, spans * PIECES + 1)
+    knots = (0.0, 0.0, *np.repeat(breaks, 2).tolist(), 1.0, 1.0)
+    return Splines(np.stack([u, np.full_like(u, v)], axis=2), knots, 3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,15 +61,35 @@ def _evaluated(segments: Sequence[Segment], fractions: Array) -> tuple[Array, Ar
 
 
 def _round(segments: Sequence[Arc | Circle], t: Array) -> tuple[Array, Array]:
-    centre = np.array([s.centre for s in segments])[:, None]
-    radius = np.array([s.radius for s in segments])[:, None, None]
-    start = np.array([s.start_rad if isinstance(s, Arc) else 0.0 for s in segments])[:, None, None]
-    turn = np.array([sweep(s) for s in segments])[:, None, None]
-    angle = start + t * turn
+    arcs = rounds(segments)
+    angle = (arcs.start_rad[:, None] + t[..., 0] * arcs.sweep_rad[:, None])[..., None]
     cos, sin = np.cos(angle), np.sin(angle)
-    points = centre + radius * np.concatenate([cos, sin], axis=-1)
-    slopes = radius * turn * np.concatenate([-sin, cos], axis=-1)
-    return points, slopes
+    points = arcs.centre[:, None] + arcs.radius[:, None, None] * np.concatenate([cos, sin], axis=-1)
+    speed = (arcs.radius * arcs.sweep_rad)[:, None, None]
+    return points, speed * np.concatenate([-sin, cos], axis=-1)
+
+
+class Rounds(NamedTuple):
+    """Arcs and circles: centres (k, 2), radii (k,), and where they start and how far they turn, rad (k,);
+    positive counter-clockwise."""
+
+    centre: Array
+    radius: Array
+    start_rad: Array
+    sweep_rad: Array
+
+
+def rounds(segments: Sequence[Segment]) -> Rounds:
+    """Arcs and circles as arrays; other segments are left out."""
+    arcs = [s for s in segments if isinstance(s, Arc | Circle)]
+    rows = np.array(
+        [(*s.start, *s.end, *s.centre, s.ccw, isinstance(s, Circle)) for s in arcs], np.float64
+    ).reshape(-1, 8)
+    start, end, centre = (rows[:, i : i + 2] for i in (0, 2, 4))
+    ccw, whole = rows[:, 6] > 0, rows[:, 7] > 0
+    begin, stop = (np.arctan2(p[:, 1] - centre[:, 1], p[:, 0] - centre[:, 0]) for p in (start, end))
+    turn = np.where(whole & ccw, math.tau, (stop - begin) % math.tau)
+    return Rounds(centre, np.hypot(*(start - centre).T), begin, np.where(ccw, turn, turn - math.tau))
 
 
 def sweep(segment: Arc | Circle) -> float:

@@ -14,6 +14,7 @@ from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.outline import LEAST_MM, Arc, Circle, Loop, Region
 
+from .caps import Cap, caps
 from .chart import Level, Well
 from .flare import settled
 from .offset import widened
@@ -43,6 +44,16 @@ class Sections:
         """Depths of the front and the back of a part with a rim."""
         rim = self.wells[0].part_of or self.wells[0]
         return rim.levels[0].depth_mm, rim.levels[-1].depth_mm
+
+    @property
+    def seam_mm(self) -> float | None:
+        """Depth of the bars' tops, where two storeys of walls meet."""
+        return self.tops[0].depth_mm if self.tops else None
+
+    @property
+    def caps(self) -> tuple[Cap, ...]:
+        """Front, back, crests and floors."""
+        return caps(self.wells, self.between_mm[1], self.seam_mm)
 
 
 def sections(

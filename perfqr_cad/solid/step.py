@@ -59,10 +59,10 @@ def write_step(solid: Solid, path: str | Path, *, product: str | None = None) ->
     written: list[Body] = []
     with occ.kernel("writing STEP", "rebuild the faces of other kinds as B-spline surfaces"):
         for body in bodies:
-            if body.shape is None:
+            if body.brep is None:
                 written.append(tessellated(part, body))
             else:
-                written.append(Body(topology.solid(body.shape, body.name), body.name, body.colour))
+                written.append(Body(topology.solid(body.brep, body.name), body.name, body.colour))
     title = product or solid.name
     document.write(written, title)
     Path(path).write_text(part.file(f"{title}.step", title), "ascii")

@@ -28,6 +28,16 @@ class Part21:
         self._lines.append(entity)
         return len(self._lines)
 
+    def add_all(self, entities: Iterable[str]) -> range:
+        """New entities, which may add others as they come; their numbers."""
+        found = list(entities)
+        self._lines += found
+        return range(len(self._lines) - len(found) + 1, len(self._lines) + 1)
+
+    def shared_all(self, entities: Iterable[str]) -> list[int]:
+        """As `shared`, of many."""
+        return [self.shared(entity) for entity in entities]
+
     def shared(self, entity: str) -> int:
         """The number of an entity of this text, new only if there is none yet."""
         known = self._known.get(entity)
@@ -82,7 +92,3 @@ def text(value: str) -> str:
         else:
             out.append(f"\\X4\\{code:08X}\\X0\\")
     return "'" + "".join(out) + "'"
-
-
-def flag(value: bool) -> str:
-    return ".T." if value else ".F."

@@ -1,97 +1,75 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
-"""Solids of the kernel as STEP boundary representations, in time linear in their edges.
+"""Boundary representations as STEP solids (ISO 10303-42), in time linear in their edges.
 
-The kernel's own writer runs its shape-healing tools on every face first (`ShapeFix_SplitCommonVertex`
-compares
-all pairs of wires), which is quadratic in the wires of a perforated face. A solid that was checked needs
+The kernel's own writer runs its shape-healing tools on every face first (`ShapeFix_SplitCommonVertex` looks
+at all pairs of wires), which is quadratic in the wires of a perforated face. A solid that was checked needs
 none.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from itertools import pairwise
 
-from OCP.BRep import BRep_Tool
-from OCP.BRepClass3d import BRepClass3d
-from OCP.BRepTools import BRepTools
-from OCP.TopExp import TopExp
-from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape
-from OCP.TopTools import TopTools_IndexedMapOfShape
+import numpy as np
 
-from .occ import EDGE, FORWARD, REVERSED, VERTEX, distinct
+from .brep import Brep
 from .step_geometry import Geometry
-from .step_text import Part21, flag, refs, text
-from .wires import Use, children, in_order
+from .step_text import Part21, refs, text
 
-
-class _Edges(NamedTuple):
-    """By an edge's place in the map: its entity, and the numbers of its vertices."""
-
-    curves: dict[int, int]
-    ends: dict[int, tuple[int, int]]
+FLAGS = (".F.", ".T.")
 
 
 class Topology:
     """Writes solids into a file; an edge or vertex that several faces share is written once."""
 
     def __init__(self, part: Part21) -> None:
-        self._add = part.add
+        self._add, self._add_all = part.add, part.add_all
         self._geometry = Geometry(part)
 
-    def solid(self, solid: TopoDS_Shape, name: str) -> int:
+    def solid(self, brep: Brep, name: str) -> int:
         """The number of the solid's MANIFOLD_SOLID_BREP or, with cavities, BREP_WITH_VOIDS."""
-        edges = distinct(solid, EDGE)
-        written = self._edges(solid, edges)
-        outer = BRepClass3d.OuterShell_s(TopoDS.Solid_s(solid))
-        shell = self._shell(outer, edges, written)
-        voids = [self._shell(s, edges, written) for s in children(solid) if not s.IsSame(outer)]
+        faces = self._faces(brep, self._loops(brep, self._edges(brep)))
+        starts = pairwise(brep.shells.tolist())
+        outer, *voids = [self._add(f"CLOSED_SHELL('',{refs(faces[a:b])})") for a, b in starts]
         if not voids:
-            return self._add(f"MANIFOLD_SOLID_BREP({text(name)},#{shell})")
+            return self._add(f"MANIFOLD_SOLID_BREP({text(name)},#{outer})")
         cavities = refs([self._add(f"ORIENTED_CLOSED_SHELL('',*,#{v},.T.)") for v in voids])
-        return self._add(f"BREP_WITH_VOIDS({text(name)},#{shell},{cavities})")
+        return self._add(f"BREP_WITH_VOIDS({text(name)},#{outer},{cavities})")
 
-    def _edges(self, solid: TopoDS_Shape, edges: TopTools_IndexedMapOfShape) -> _Edges:
-        """Edge curves by their place in the map; degenerate ones (poles) are left out, as STEP does."""
-        corners = distinct(solid, VERTEX)
-        point = self._geometry.point
-        vertices = [
-            self._add(f"VERTEX_POINT('',#{point(BRep_Tool.Pnt_s(TopoDS.Vertex_s(corners.FindKey(i))))})")
-            for i in range(1, corners.Extent() + 1)
-        ]
-        found = _Edges({}, {})
-        for i in range(1, edges.Extent() + 1):
-            edge = TopoDS.Edge_s(edges.FindKey(i).Oriented(FORWARD))
-            if BRep_Tool.Degenerated_s(edge):
-                continue
-            start = corners.FindIndex(TopExp.FirstVertex_s(edge)) - 1
-            end = corners.FindIndex(TopExp.LastVertex_s(edge)) - 1
-            curve = self._geometry.curve(BRep_Tool.Curve_s(edge, 0.0, 0.0), *BRep_Tool.Range_s(edge))
-            found.ends[i] = start, end
-            found.curves[i] = self._add(f"EDGE_CURVE('',#{vertices[start]},#{vertices[end]},#{curve},.T.)")
-        return found
+    def _edges(self, brep: Brep) -> range:
+        """Edge curves; those without extent (poles) are not in the tables, as in STEP."""
+        points = self._geometry.points(brep.points)
+        vertices = self._add_all(f"VERTEX_POINT('',#{p})" for p in points)
+        curves = np.empty(len(brep.ends), np.int64)
+        for batch in brep.curves:
+            curves[batch.rows] = list(self._geometry.curves(batch.of))
+        first, ends = vertices.start, brep.ends.tolist()
+        return self._add_all(
+            f"EDGE_CURVE('',#{first + a},#{first + b},#{curve},.T.)"
+            for (a, b), curve in zip(ends, curves.tolist(), strict=True)
+        )
 
-    def _shell(self, shell: TopoDS_Shape, edges: TopTools_IndexedMapOfShape, written: _Edges) -> int:
-        faces = [self._face(TopoDS.Face_s(face), edges, written) for face in children(shell)]
-        return self._add(f"CLOSED_SHELL('',{refs(faces)})")
+    def _loops(self, brep: Brep, edges: range) -> range:
+        oriented = self._add_all(
+            f"ORIENTED_EDGE('',*,*,#{edges[edge]},{FLAGS[ahead]})"
+            for edge, ahead in zip(brep.edges.tolist(), brep.ahead.tolist(), strict=True)
+        )
+        return self._add_all(f"EDGE_LOOP('',{refs(oriented[a:b])})" for a, b in pairwise(brep.loops.tolist()))
 
-    def _face(self, face: TopoDS_Face, edges: TopTools_IndexedMapOfShape, written: _Edges) -> int:
-        forward = face.Orientation() != REVERSED
-        surface, mirrored = self._geometry.surface(BRep_Tool.Surface_s(face))
-        bounds: list[int] = []
-        ahead = TopoDS.Face_s(face.Oriented(FORWARD))
-        wires = children(ahead)
-        outer = wires[0] if len(wires) == 1 else BRepTools.OuterWire_s(ahead)
-        for wire in wires:
-            loop = self._loop(in_order(wire, ahead, edges, written.ends), written)
-            kind = "FACE_OUTER_BOUND" if wire.IsSame(outer) else "FACE_BOUND"
-            bounds.append(self._add(f"{kind}('',#{loop},{flag(forward)})"))
-        return self._add(f"ADVANCED_FACE('',{refs(bounds)},#{surface},{flag(forward != mirrored)})")
-
-    def _loop(self, uses: list[Use], written: _Edges) -> int:
-        oriented = [
-            self._add(f"ORIENTED_EDGE('',*,*,#{written.curves[use.number]},{flag(use.ahead)})")
-            for use in uses
-            if use.number in written.curves
-        ]
-        return self._add(f"EDGE_LOOP('',{refs(oriented)})")
+    def _faces(self, brep: Brep, loops: range) -> range:
+        """Faces, whose first loop is their outer one; loops run as one sees them from outside."""
+        inner = np.ones(len(loops), np.int64)
+        inner[brep.bounds[:-1]] = 0
+        kinds = ("FACE_OUTER_BOUND", "FACE_BOUND")
+        bounds = self._add_all(
+            f"{kinds[kind]}('',#{loop},.T.)" for kind, loop in zip(inner.tolist(), loops, strict=True)
+        )
+        surfaces, senses = np.empty(brep.face_count, np.int64), brep.outward.copy()
+        for batch in brep.surfaces:
+            numbers, mirrored = self._geometry.surfaces(batch.of)
+            surfaces[batch.rows] = list(numbers)
+            senses[batch.rows] ^= mirrored
+        sides = zip(pairwise(brep.bounds.tolist()), surfaces.tolist(), senses.tolist(), strict=True)
+        return self._add_all(
+            f"ADVANCED_FACE('',{refs(bounds[a:b])},#{surface},{FLAGS[sense]})"
+            for (a, b), surface, sense in sides
+        )

@@ -1,192 +1,239 @@
 # pyright: reportAttributeAccessIssue=false
 # The modeller's stubs are incomplete.
-"""One walk over a solid: what its edges join, how its wires run, and where edges leave their faces."""
+"""Shapes of the modeller as boundary representations: one walk over all faces."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from OCP.BRep import BRep_Tool
-from OCP.Geom import Geom_Curve, Geom_Line, Geom_Plane, Geom_Surface
-from OCP.Geom2d import Geom2d_Line
-from OCP.gp import gp_Pnt
+from OCP.BRepClass3d import BRepClass3d
+from OCP.BRepTools import BRepTools
+from OCP.Geom import (
+    Geom_Circle,
+    Geom_ConicalSurface,
+    Geom_Curve,
+    Geom_CylindricalSurface,
+    Geom_Line,
+    Geom_Plane,
+    Geom_Surface,
+)
+from OCP.Geom2d import Geom2d_Curve, Geom2d_Line
 from OCP.TopExp import TopExp
-from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape
+from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
-from . import occ
-from .evaluate import evaluator
-from .occ import EDGE, FACE, FORWARD, REVERSED, VERTEX, WIRE, Array
-from .wires import Use, children, in_order
+from perfqr_cad.errors import KernelError
 
-SAMPLES = 8  # pieces of a curved edge in the polygon of its face
-SLACK = 1.5  # between points sampled here and the tolerance that an edge was given from other points
-# Samples of a face from which its surface is evaluated at once; before, preparing that costs more.
-MANY = 64
+from .brep import Batch, Brep, CurveTable, SurfaceTable, starts_of
+from .geometry import Arcs, Cones, Curves, Lines, Planes, Surfaces
+from .modelled import ModelledCurves, ModelledSurfaces
+from .occ import EDGE, FORWARD, REVERSED, SOLID, VERTEX, WIRE, count, distinct
+from .wires import children, in_order
 
 
-class Course(NamedTuple):
-    """The curve of an edge between its parameters, and its tolerance, mm."""
+class Run(NamedTuple):
+    """A curve of the modeller between two parameters."""
 
-    curve: Geom_Curve
+    curve: Geom_Curve | Geom2d_Curve
     first: float
     last: float
-    tolerance_mm: float
-    straight: bool
-
-    def parameters(self, pieces: int, ahead: bool) -> list[float]:
-        """Ends of equal pieces, in the direction of travel."""
-        start, end = (self.first, self.last) if ahead else (self.last, self.first)
-        return [start + (end - start) * k / pieces for k in range(pieces + 1)]
 
 
-@dataclass
-class Shell:
-    """What one walk over the faces collects; edges and vertices by their index."""
-
-    points: Array  # vertices, mm
-    rows: list[tuple[float, float, float]]  # the same
-    ends: dict[int, tuple[int, int]] = field(default_factory=dict[int, tuple[int, int]])
-    courses: dict[int, Course] = field(default_factory=dict[int, Course])
-    uses: list[tuple[int, bool]] = field(default_factory=list[tuple[int, bool]])  # edge, ahead
-    corners: list[tuple[int, int]] = field(
-        default_factory=list[tuple[int, int]]
-    )  # edge ends that meet in a face
-    polygons: list[list[Array]] = field(
-        default_factory=list[list[Array]]
-    )  # of each face, outlines in parameters
-    problems: list[str] = field(default_factory=list[str])
-    degenerate: bool = False
+class _Use(NamedTuple):
+    edge: int
+    ahead: bool
+    image: Run | None
 
 
-def survey(shape: TopoDS_Shape) -> Shell:
-    """Walk over a solid."""
-    vertices, edges = occ.distinct(shape, VERTEX), occ.distinct(shape, EDGE)
+class _Side(NamedTuple):
+    """A face: its loops as seen from outside."""
+
+    surface: Geom_Surface
+    outward: bool
+    loops: list[list[_Use]]
+
+
+def brep_of(shape: TopoDS_Shape) -> Brep:
+    """The tables of one solid; what it lacks (a vertex, a curve, an image) is left out there.
+
+    Raises `KernelError` unless the shape is one solid.
+    """
+    solids = count(shape, SOLID)
+    if solids != 1:
+        raise KernelError(f"{solids} solids, not one: give them one by one")
+    solid = TopoDS.Solid_s(distinct(shape, SOLID).FindKey(1))
+    vertices, edges = distinct(solid, VERTEX), distinct(solid, EDGE)
+    ends, runs, tolerance = _edges(edges, vertices)
+    numbers = {i: number for number, i in enumerate(ends)}
+    outer = BRepClass3d.OuterShell_s(solid)
+    shells = _led_by(outer, children(solid))
+    faces = [[TopoDS.Face_s(face) for face in children(shell)] for shell in shells]
+    sides = [_side(face, edges, numbers, ends) for shell in faces for face in shell]
+    for face, side in zip((f for shell in faces for f in shell), sides, strict=True):
+        slack = BRep_Tool.Tolerance_s(face)
+        for use in (use for loop in side.loops for use in loop):
+            tolerance[use.edge] = max(tolerance[use.edge], slack)
+    loops = [loop for side in sides for loop in side.loops]
+    uses = [use for loop in loops for use in loop]
     points = [
-        BRep_Tool.Pnt_s(TopoDS.Vertex_s(vertices.FindKey(i))).Coord() for i in range(1, vertices.Extent() + 1)
+        BRep_Tool.Pnt_s(TopoDS.Vertex_s(vertices.FindKey(i + 1))).Coord() for i in range(vertices.Extent())
     ]
-    shell = Shell(np.array(points).reshape(-1, 3), points)
+    return Brep(
+        points=np.array(points).reshape(-1, 3),
+        ends=np.array(list(ends.values()), np.int64).reshape(-1, 2),
+        curves=_curves(runs),
+        tolerance_mm=np.array(tolerance, np.float64),
+        edges=np.array([use.edge for use in uses], np.int64),
+        ahead=np.array([use.ahead for use in uses], np.bool_),
+        images=_curves([use.image for use in uses]),
+        loops=starts_of(map(len, loops)),
+        bounds=starts_of(len(side.loops) for side in sides),
+        surfaces=_surfaces([side.surface for side in sides]),
+        outward=np.array([side.outward for side in sides], np.bool_),
+        shells=starts_of(map(len, faces)),
+    )
+
+
+def _edges(
+    edges: TopTools_IndexedMapOfShape, vertices: TopTools_IndexedMapOfShape
+) -> tuple[dict[int, tuple[int, int]], list[Run | None], list[float]]:
+    """Vertices, curves and tolerances (those of the vertices included) of the edges that have an extent; the
+    vertices by place in the map."""
+    ends: dict[int, tuple[int, int]] = {}
+    runs: list[Run | None] = []
+    tolerance: list[float] = []
     for i in range(1, edges.Extent() + 1):
         edge = TopoDS.Edge_s(edges.FindKey(i).Oriented(FORWARD))
         if BRep_Tool.Degenerated_s(edge):
-            shell.degenerate = True
             continue
-        first, last = TopExp.FirstVertex_s(edge), TopExp.LastVertex_s(edge)
-        if first.IsNull() or last.IsNull():
-            shell.problems.append("an edge has no vertex at an end")
-            continue
+        vertex = TopExp.FirstVertex_s(edge), TopExp.LastVertex_s(edge)
+        first, last = (-1 if v.IsNull() else vertices.FindIndex(v) - 1 for v in vertex)
+        ends[i] = first, last
         curve = BRep_Tool.Curve_s(edge, 0.0, 0.0)
-        if curve is None:
-            shell.problems.append("an edge has no curve")
-            continue
-        shell.ends[i] = vertices.FindIndex(first) - 1, vertices.FindIndex(last) - 1
-        start, end = BRep_Tool.Range_s(edge)
-        straight = isinstance(curve, Geom_Line)
-        shell.courses[i] = Course(curve, start, end, BRep_Tool.Tolerance_s(edge), straight)
-        _meets_vertices(shell, i)
-    for face in occ.explore(shape, FACE):
-        _walk(shell, TopoDS.Face_s(face), edges)
-    return shell
+        runs.append(None if curve is None else Run(curve, *BRep_Tool.Range_s(edge)))
+        corners = [BRep_Tool.Tolerance_s(v) for v in vertex if not v.IsNull()]
+        tolerance.append(max([BRep_Tool.Tolerance_s(edge), *corners]))
+    return ends, runs, tolerance
 
 
-def _meets_vertices(shell: Shell, index: int) -> None:
-    """Note where the curve of an edge misses its vertices."""
-    curve, first, last, tolerance, _ = shell.courses[index]
-    if not first < last:
-        shell.problems.append("an edge has an empty range")
-    for vertex, parameter in zip(shell.ends[index], (first, last), strict=True):
-        missed = curve.Value(parameter).Distance(gp_Pnt(*shell.rows[vertex]))
-        if missed > SLACK * tolerance:
-            place = at(shell.rows[vertex])
-            shell.problems.append(f"an edge misses its vertex by {missed:.2g} mm at {place}")
-
-
-def _walk(shell: Shell, face: TopoDS_Face, edges: TopTools_IndexedMapOfShape) -> None:
-    """One face: the uses of its edges, its corners, its outlines, and whether its edges lie on it."""
+def _side(
+    face: TopoDS_Face,
+    edges: TopTools_IndexedMapOfShape,
+    numbers: dict[int, int],
+    ends: dict[int, tuple[int, int]],
+) -> _Side:
     forward = TopoDS.Face_s(face.Oriented(FORWARD))
-    surface = BRep_Tool.Surface_s(forward)
     flipped = face.Orientation() == REVERSED
-    outlines: list[Array] = []
-    for wire in children(forward):
-        if wire.ShapeType() != WIRE:
-            continue
-        uses = [use for use in in_order(wire, forward, edges, shell.ends) if use.number in shell.ends]
-        for use, following in zip(uses, uses[1:] + uses[:1], strict=True):
-            shell.uses.append((use.number, use.ahead != flipped))
-            shell.corners.append((2 * use.number + use.ahead, 2 * following.number + (not following.ahead)))
-            here = shell.ends[use.number][use.ahead]
-            if here != shell.ends[following.number][not following.ahead]:
-                shell.problems.append(f"a wire is broken at {at(shell.rows[here])}")
-        if isinstance(surface, Geom_Plane):
-            outlines.append(_plane_outline(shell, uses, surface, BRep_Tool.Tolerance_s(face)))
-        else:
-            outlines.append(_curved_outline(shell, uses, surface, forward))
-    shell.polygons.append(outlines)
+    surface = BRep_Tool.Surface_s(forward)
+    flat = isinstance(surface, Geom_Plane)
+    wires = [wire for wire in children(forward) if wire.ShapeType() == WIRE]
+    if len(wires) > 1:
+        wires = _led_by(BRepTools.OuterWire_s(forward), wires)
+    loops: list[list[_Use]] = []
+    for wire in wires:
+        loop: list[_Use] = []
+        for use in in_order(wire, forward, edges, ends):
+            if use.number in numbers:
+                image = None if flat else _image(TopoDS.Edge_s(use.edge), forward)
+                loop.append(_Use(numbers[use.number], use.ahead != flipped, image))
+        if loop:  # a wire may be a pole and nothing else
+            loops.append(loop[::-1] if flipped else loop)
+    return _Side(surface, not flipped, loops)
 
 
-def _plane_outline(shell: Shell, uses: list[Use], plane: Geom_Plane, slack: float) -> Array:
-    """The wire in the plane's coordinates; notes where it leaves the plane."""
-    samples: list[tuple[float, ...]] = []
-    for use in uses:
-        course = shell.courses[use.number]
-        if course.straight:
-            samples.append(shell.rows[shell.ends[use.number][not use.ahead]])
-        else:
-            samples += [course.curve.Value(t).Coord() for t in course.parameters(SAMPLES, use.ahead)[:-1]]
-            slack = max(slack, course.tolerance_mm)
-    frame = plane.Position()
-    axes = np.array([d.Coord() for d in (frame.XDirection(), frame.YDirection(), frame.Direction())])
-    local = (np.array(samples).reshape(-1, 3) - frame.Location().Coord()) @ axes.T
-    off = float(np.abs(local[:, 2]).max(initial=0.0))
-    if off > SLACK * slack:
-        shell.problems.append(
-            f"an edge at {at(samples[0])} is {off:.2g} mm off its plane (limit {slack:.2g} mm)"
-        )
-    return local[:, :2]
+def _led_by(first: TopoDS_Shape, shapes: Sequence[TopoDS_Shape]) -> list[TopoDS_Shape]:
+    """The shapes, one of them first."""
+    lead = [shape for shape in shapes if shape.IsSame(first)]
+    return [*lead, *(shape for shape in shapes if not shape.IsSame(first))]
 
 
-def _curved_outline(shell: Shell, uses: list[Use], surface: Geom_Surface, face: TopoDS_Face) -> Array:
-    """The wire in the surface's parameters; notes where curve and image are apart."""
-    outline: list[tuple[float, float]] = []
-    drawn: list[tuple[float, float]] = []
-    curved: list[tuple[float, float, float]] = []
-    limits: list[float] = []
-    slack = BRep_Tool.Tolerance_s(face)
-    for use in uses:
-        course = shell.courses[use.number]
-        image = BRep_Tool.CurveOnSurface_s(TopoDS.Edge_s(use.edge), face, 0.0, 0.0)
-        if image is None:
-            shell.problems.append("an edge has no image on its curved face")
-            continue
-        # A straight image needs no samples to be a side of the polygon, and but its middle to be compared.
-        straight = isinstance(image, Geom2d_Line)
-        parameters = course.parameters(2 if straight else SAMPLES, use.ahead)
-        images = [image.Value(t).Coord() for t in parameters]
-        outline += images[:1] if straight else images[:-1]
-        drawn += images
-        curved += [course.curve.Value(t).Coord() for t in parameters]
-        limits += [SLACK * max(slack, course.tolerance_mm)] * len(parameters)
-    if drawn:
-        off = np.linalg.norm(_evaluated(surface, drawn) - curved, axis=1)
-        if (wrong := off > limits).any():
-            worst = int(np.argmax(np.where(wrong, off, 0.0)))
-            shell.problems.append(
-                f"an edge at {at(curved[worst])} is {off[worst]:.2g} mm off its face "
-                f"(limit {limits[worst]:.2g} mm)"
-            )
-    return np.array(outline).reshape(-1, 2)
+def _image(edge: TopoDS_Edge, face: TopoDS_Face) -> Run | None:
+    curve = BRep_Tool.CurveOnSurface_s(edge, face, 0.0, 0.0)
+    return None if curve is None else Run(curve, *BRep_Tool.Range_s(edge, face))
 
 
-def _evaluated(surface: Geom_Surface, uv: list[tuple[float, float]]) -> Array:
-    """Points (k, 3) of a surface."""
-    if len(uv) < MANY:
-        return np.array([surface.Value(u, v).Coord() for u, v in uv])
-    return evaluator(surface)(np.array(uv), 1)[0]
+def _curves(runs: Sequence[Run | None]) -> CurveTable:
+    """Curves or images by row: lines and circles as arrays, others as they are."""
+    lines, arcs, others = list[int](), list[int](), list[int]()
+    for row, run in enumerate(runs):
+        match run:
+            case None:
+                pass
+            case Run(Geom_Line() | Geom2d_Line()):
+                lines.append(row)
+            case Run(Geom_Circle()):
+                arcs.append(row)
+            case _:
+                others.append(row)
+    found: list[Batch[Curves]] = []
+    for rows, kind in ((lines, _lines), (arcs, _arcs), (others, _modelled)):
+        if rows:
+            found.append(Batch(np.array(rows), kind([run for i in rows if (run := runs[i]) is not None])))
+    return tuple(found)
 
 
-def at(p: Iterable[float]) -> str:
-    """A point for people."""
-    return "({:.3f}, {:.3f}, {:.3f})".format(*p)
+def _lines(runs: Sequence[Run]) -> Lines:
+    start, end = (np.array([run.curve.Value(run[k]).Coord() for run in runs]) for k in (1, 2))
+    return Lines(start, end)
+
+
+def _arcs(runs: Sequence[Run]) -> Arcs:
+    centre, x, y = np.array([_frame(run.curve) for run in runs]).swapaxes(0, 1)
+    first, last = np.array([run[1:] for run in runs]).T
+    cos, sin = np.cos(first)[:, None], np.sin(first)[:, None]
+    radius = np.array([_radius(run.curve) for run in runs])
+    return Arcs(centre, cos * x + sin * y, cos * y - sin * x, radius, last - first)
+
+
+def _radius(circle: Any) -> float:
+    return circle.Radius()
+
+
+def _modelled(runs: Sequence[Run]) -> ModelledCurves:
+    return ModelledCurves(tuple(runs))
+
+
+def _surfaces(surfaces: Sequence[Geom_Surface]) -> SurfaceTable:
+    """Surfaces by row: planes, and right-handed cylinders and cones, as arrays, others as they are."""
+    planes, cones, others = list[int](), list[int](), list[int]()
+    for row, surface in enumerate(surfaces):
+        match surface:
+            case Geom_Plane():
+                planes.append(row)
+            case Geom_CylindricalSurface() | Geom_ConicalSurface() if surface.Position().Direct():
+                cones.append(row)
+            case _:
+                others.append(row)
+    found: list[Batch[Surfaces]] = []
+    for rows, kind in ((planes, _planes), (cones, _cones), (others, _as_they_are)):
+        if rows:
+            found.append(Batch(np.array(rows), kind([surfaces[i] for i in rows])))
+    return tuple(found)
+
+
+def _planes(surfaces: Sequence[Any]) -> Planes:
+    frames = np.array([_frame(surface) for surface in surfaces])
+    return Planes(frames[:, 0], np.cross(frames[:, 1], frames[:, 2]), frames[:, 1])
+
+
+def _cones(surfaces: Sequence[Any]) -> Cones:
+    frames = np.array([_frame(surface) for surface in surfaces])
+    sizes = [
+        (s.RefRadius(), s.SemiAngle()) if isinstance(s, Geom_ConicalSurface) else (s.Radius(), 0.0)
+        for s in surfaces
+    ]
+    radius, angle = np.array(sizes).T
+    return Cones(frames[:, 0], np.cross(frames[:, 1], frames[:, 2]), frames[:, 1], radius, angle)
+
+
+def _as_they_are(surfaces: Sequence[Geom_Surface]) -> ModelledSurfaces:
+    return ModelledSurfaces(tuple(surfaces))
+
+
+def _frame(of: Any) -> tuple[Any, Any, Any]:
+    """Origin, x and y of an elementary curve or surface."""
+    frame = of.Position()
+    return frame.Location().Coord(), frame.XDirection().Coord(), frame.YDirection().Coord()

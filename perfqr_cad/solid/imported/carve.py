@@ -26,12 +26,13 @@ from perfqr_cad.solid.imported.motif import Motif
 from perfqr_cad.solid.imported.probe import probe
 from perfqr_cad.solid.imported.removed import removed_mm3
 from perfqr_cad.solid.imported.tool import carved_mesh, prism
+from perfqr_cad.solid.kernel_shape import KernelShape, solid_of, with_wires
 from perfqr_cad.solid.proof import check
-from perfqr_cad.solid.punch import mouths, perforated, solid_of
 from perfqr_cad.solid.recess import NoRecess
 from perfqr_cad.solid.sections import Sections
 from perfqr_cad.solid.shape import Solid
-from perfqr_cad.solid.tube import cap, shell_faces
+from perfqr_cad.solid.stitch import panel
+from perfqr_cad.solid.survey import brep_of
 from perfqr_cad.solid.walls import Walls
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def carve(host: Host, motif: Motif, laid: Laid, walls: Walls) -> Solid:
             f"the perforated solid is not sound ({'; '.join(problems)}): move the code a little"
         )
     return Solid(
-        shape=shape,
+        exact=shape,
         triangles=triangles,
         valid=True,
         solids=occ.count(shape, occ.SOLID),
@@ -127,7 +128,7 @@ def _removed_mm3(host: Host, motif: Motif, laid: Laid, walls: Walls) -> float:
 def _is_valid(shape: TopoDS_Solid, host: Host, volume_mm3: float) -> bool:
     """The proof in linear time, where it can be given; else the kernel's check, with a second chance with
     edges brought in step."""
-    if not check(shape, volume_mm3=volume_mm3) or kernel.is_valid(shape):
+    if not check(brep_of(shape), volume_mm3=volume_mm3) or kernel.is_valid(shape):
         return True
     kernel.reconcile(shape, host.shape, FIT_MM)
     return kernel.is_valid(shape)
@@ -140,18 +141,18 @@ def _punched(host: Host, groups: Mapping[tuple[int, int], Sections], laid: Laid)
     for (front, back), sunk in groups.items():
         reach = max(well.levels[-1].depth_mm for well in sunk.wells)
         chart = chart_between(laid, host.skins[front], host.skins[back] if back >= 0 else None, reach)
-        made, tops = shell_faces(sunk, chart)
-        holes, *pieces = mouths(made)
-        wires[front] += [(wire, chart.towards_reader(0.0)) for wire in holes]
-        if back >= 0:
-            wires[back] += [(t.foot, chart.towards_reader(reach)) for t in made if t.foot is not None]
-        added += [cap(chart, 0.0, outlines, outwards=True) for outlines in pieces]
-        added += [*(face for tube in made for face in tube.faces), *tops]
+        brep = panel(sunk, chart)
+        made = KernelShape(brep)
+        # The first piece of the front and the back have no outline: they are holes in the host's faces.
+        holes = {0: front} | {i: back for i, cap in enumerate(sunk.caps) if not cap.up}
+        for number, face in holes.items():
+            wires[face] += [(wire, bool(brep.outward[number])) for wire in made.wires(number)]
+        added += [made.face(i) for i in range(brep.face_count) if i not in holes]
     faces = list(host.faces)
     for i, found in wires.items():
         for seen in (True, False):  # the front and the back may be one face, such as a sheet's folded round
-            here = [wire for wire, towards_reader in found if towards_reader == seen]
-            faces[i] = perforated(faces[i], here, seen) if here else faces[i]
+            here = [wire for wire, outward in found if outward == seen]
+            faces[i] = with_wires(faces[i], here, seen) if here else faces[i]
     return _rejoined(host, faces, added)
 
 

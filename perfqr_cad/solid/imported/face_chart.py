@@ -7,21 +7,24 @@ elsewhere.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from OCP.Geom import Geom_OffsetSurface, Geom_RectangularTrimmedSurface
-from OCP.gp import gp_Ax3, gp_Trsf, gp_Vec
+from OCP.gp import gp_Trsf, gp_Vec
 
 from perfqr_cad.pattern.outline import Segment
-from perfqr_cad.solid.chart import Chart, Column, Level, Trace, Wall
+from perfqr_cad.solid.brep import Batch
+from perfqr_cad.solid.chart import Chart, Columns, Level
 from perfqr_cad.solid.fitted import Sight, lay_fitted
+from perfqr_cad.solid.geometry import Move, Surfaces
 from perfqr_cad.solid.imported.lay import Laid, Projected
 from perfqr_cad.solid.imported.skin import Skin
 from perfqr_cad.solid.imported.survey import Frame
-from perfqr_cad.solid.occ import Array, axes
+from perfqr_cad.solid.modelled import ModelledSurfaces
+from perfqr_cad.solid.occ import Array
 from perfqr_cad.solid.plane_chart import PlaneChart
 from perfqr_cad.surface import Plane
 
@@ -52,45 +55,43 @@ class PlanePairChart:
     back: Skin | None
     thickness_mm: float
     whole_circles: bool = False
-    _between: dict[float, Geom_Surface] = field(default_factory=dict, repr=False)
 
     @cached_property
     def _plate(self) -> PlaneChart:
         return PlaneChart(Plane(self.thickness_mm))
 
-    @cached_property
-    def _move(self) -> gp_Trsf:
+    @property
+    def _move(self) -> Move:
         """From the plate's coordinates (front at z = thickness) to the solid's."""
-        e1, _, n = self.frame.axes
-        move = gp_Trsf()
-        move.SetTransformation(axes(self.frame.origin - self.thickness_mm * n, n, e1), gp_Ax3())
-        return move
+        return Move(self.frame.origin - self.thickness_mm * self.frame.axes[2], self.frame.axes)
 
     def points(self, uv: Array, depth_mm: float) -> Array:
         return self.frame.to_space(np.column_stack([uv, np.full(len(uv), -depth_mm)]))
 
-    def surface(self, depth_mm: float) -> Geom_Surface:
+    def surface(self, depth_mm: float) -> Surfaces:
         if depth_mm == 0.0:
-            return self.front.surface
+            return ModelledSurfaces((self.front.surface,))
         if self.back is not None and depth_mm == self.thickness_mm:
-            return self.back.surface
-        if depth_mm not in self._between:
-            self._between[depth_mm] = moved(self._plate.surface(depth_mm), self._move)
-        return self._between[depth_mm]
+            return ModelledSurfaces((self.back.surface,))
+        return self._move.surfaces(self._plate.surface(depth_mm))
 
     def towards_reader(self, depth_mm: float) -> bool:
         if depth_mm == 0.0:
             return self.front.outward_sign > 0
         return self.back is None or depth_mm != self.thickness_mm or self.back.outward_sign < 0
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> list[Column]:
-        return [
-            Column(
-                tuple(Trace(moved(t.curve, self._move), t.first, t.last) for t in column.traces),
-                tuple(Wall(moved(w.surface, self._move), w.outward, w.images) for w in column.walls),
-            )
-            for column in self._plate.lay(stacks, levels)
-        ]
+    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
+        plain, move = self._plate.lay(stacks, levels), self._move
+        return Columns(
+            tuple(
+                replace(traces, curves=tuple(Batch(b.rows, move.curves(b.of)) for b in traces.curves))
+                for traces in plain.traces
+            ),
+            tuple(
+                replace(band, surfaces=tuple(Batch(b.rows, move.surfaces(b.of)) for b in band.surfaces))
+                for band in plain.bands
+            ),
+        )
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,10 @@ class FaceChart:
     def parameters(self, uv: Array, depth_mm: float) -> Array:
         return self._meet(uv, depth_mm)[0]
 
-    def surface(self, depth_mm: float) -> Geom_Surface:
+    def surface(self, depth_mm: float) -> Surfaces:
+        return ModelledSurfaces((self._surface(depth_mm),))
+
+    def _surface(self, depth_mm: float) -> Geom_Surface:
         if depth_mm == 0.0:
             return self.front.surface
         if self._on_back(depth_mm) and self.back is not None:
@@ -132,7 +136,7 @@ class FaceChart:
             return self.back.outward_sign < 0
         return self.front.outward_sign > 0
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> list[Column]:
+    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
         return lay_fitted(stacks, levels, self)
 
     def _on_back(self, depth_mm: float) -> bool:
@@ -144,7 +148,7 @@ class FaceChart:
             x, y, z = (-depth_mm * self.laid.frame_at_centre.axes[2]).tolist()
             shift = gp_Trsf()
             shift.SetTranslation(gp_Vec(x, y, z))
-            return moved(self.front.surface, shift)
+            return cast("Geom_Surface", self.front.surface.Transformed(shift))
         finite = Geom_RectangularTrimmedSurface(self.front.surface, *self.front.bounds)  # writers ask for it
         return Geom_OffsetSurface(finite, -depth_mm * self.front.outward_sign)
 
@@ -167,11 +171,6 @@ class FaceChart:
         if not isinstance(self.laid, Projected):
             inward = -self.front.normals(images)
         return images, points + depth_mm * inward
-
-
-def moved(geometry: Any, move: gp_Trsf) -> Any:
-    """A copy of a curve or surface, moved."""
-    return geometry.Transformed(move)
 
 
 def _square(skin: Skin, laid: Projected) -> bool:

@@ -39,10 +39,11 @@ def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> To
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
     from OCP.gp import gp_Ax3, gp_Trsf
 
+    from perfqr_cad.solid.kernel_shape import KernelShape
     from perfqr_cad.solid.occ import direction, pnt
     from perfqr_cad.solid.plane_chart import PlaneChart
-    from perfqr_cad.solid.punch import panel
     from perfqr_cad.solid.sections import sections
+    from perfqr_cad.solid.stitch import panel
 
     uv = hole.flatten()
     points = laid.point(uv)
@@ -59,7 +60,7 @@ def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> To
     place = gp_Trsf()
     foot = laid.frame_at_centre.to_space([[0.0, 0.0, bottom]])[0]
     place.SetTransformation(gp_Ax3(pnt(foot), direction(n), direction(e1)), gp_Ax3())
-    return BRepBuilderAPI_Transform(block, place, True).Shape()
+    return BRepBuilderAPI_Transform(KernelShape(block).solid(), place, True).Shape()
 
 
 def carved_mesh(body: Body, motif: Motif, laid: Laid, walls: Walls) -> Triangles:

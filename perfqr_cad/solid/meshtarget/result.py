@@ -15,7 +15,7 @@ def mesh_solid(mesh: Triangles, name: str, notes: tuple[str, ...] = ()) -> Solid
         raise KernelError("the carved mesh is not closed: move the code a little")
     low, high = mesh.vertices.min(axis=0).tolist(), mesh.vertices.max(axis=0).tolist()
     return Solid(
-        shape=None,
+        exact=None,
         triangles=mesh,
         valid=True,
         solids=1,

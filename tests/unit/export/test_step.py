@@ -49,7 +49,7 @@ def test_header_names_no_folder_and_no_clock(design, tmp_path):
 
 def test_a_body_of_triangles_comes_back_as_it_is(design, tmp_path):
     """A carved mesh has no exact faces: its triangles go into a tessellated solid."""
-    meshed = SimpleNamespace(solid=replace(design.solid, shape=None))
+    meshed = SimpleNamespace(solid=replace(design.solid, exact=None))
     export.write(meshed, tmp_path / "mesh.step")
     [part] = read_step(tmp_path / "mesh.step")
     assert part.name == "Ünïque part"
@@ -65,7 +65,7 @@ def test_a_body_of_triangles_comes_back_as_it_is(design, tmp_path):
 
 def test_a_body_of_nothing_is_refused(design, tmp_path):
     empty = Triangles(np.zeros((0, 3)), np.zeros((0, 3), int))
-    nothing = SimpleNamespace(solid=replace(design.solid, shape=None, triangles=empty))
+    nothing = SimpleNamespace(solid=replace(design.solid, exact=None, triangles=empty))
     with pytest.raises(KernelError, match="0 triangles"):
         export.write(nothing, tmp_path / "none.step")
     assert not list(tmp_path.iterdir())

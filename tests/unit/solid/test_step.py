@@ -73,7 +73,7 @@ def test_a_solid_with_a_cavity_keeps_it(tmp_path: Path) -> None:
         BRepPrimAPI_MakeBox(gp_Pnt(-5, -5, -5), 10, 10, 10).Shape(), BRepPrimAPI_MakeSphere(3.0).Shape()
     ).Shape()
     (shape,) = occ.explore(hollow, occ.SOLID)
-    write_step(replace(part(Plane(1.0)), shape=shape), tmp_path / "hollow.step")
+    write_step(replace(part(Plane(1.0)), exact=shape), tmp_path / "hollow.step")
     (found,) = read_step(tmp_path / "hollow.step")
     assert occ.volume(found.shape) == pytest.approx(1000 - 4 / 3 * np.pi * 27, rel=1e-9)
 

@@ -1,0 +1,243 @@
+"""Wells become a shell without booleans: loops are edges of faces, walls are stitched between them.
+
+Seen from the reader, the outer loop runs counter-clockwise and holes run clockwise. Out of the material is
+then always to the right of travel, for the rim and for every hole alike. All is numbered by arithmetic: a
+well of n segments on m levels has m rings of n edges, n · (m − 1) edges down its walls, and as many walls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perfqr_cad.pattern.outline import Loop, Point
+
+from .brep import TOLERANCE_MM, Batch, Brep, CurveTable, SurfaceTable, numbering, owners, starts_of
+from .caps import FIRST, Cap
+from .chart import Chart, Columns, Well
+from .geometry import Curves, Lines, Surfaces
+from .sampling import Array, Indices
+from .sections import Sections
+
+# Uses of a wall's edges, seen from outside: along the lower edge, up, back along the upper edge, down.
+LOWER, END, UPPER, START = range(4)
+SIDES = 4
+
+Run = tuple[Indices, NDArray[np.bool_]]  # rings of a loop, and which way each is run through
+
+
+def panel(sections: Sections, chart: Chart) -> Brep:
+    """The shell of a part: its caps (`Sections.caps`), tops of bars, walls.
+
+    Without a rim the front and the back are no faces of their own, but holes in those of something else.
+    """
+    rings = Rings.of(sections)
+    loops = [[rings.end(*end) for end in cap.ends] for cap in sections.caps]
+    loops += [[rings.along(top.loop)] for top in sections.tops]
+    runs = [run for face in loops for run in face]
+    cap_uses, cap_ahead = (np.concatenate(part) for part in zip(*runs, strict=True))
+    count, upper = len(rings.edge), np.flatnonzero(rings.below >= 0)
+    drops = rings.edge_count + np.arange(len(upper))
+    drop = numbering(count, upper, drops)
+    walls = [rings.edge[rings.below[upper]], drop[rings.after[upper]], rings.edge[upper], drops]
+    points = rings.points(sections.wells, chart)
+    along, down = (np.column_stack([rings.vertex, rings.vertex[to]]) for to in (rings.after, rings.below))
+    ends = np.concatenate([along[rings.owner], down[upper]])
+    numbers = _Numbers(
+        edge=np.where(rings.owner, rings.edge, -1),
+        cap_use=numbering(count, cap_uses),
+        wall_use=numbering(count, upper, len(cap_uses) + SIDES * np.arange(len(upper))),
+        wall=numbering(count, upper),
+    )
+    laid = _Laid.of(rings, numbers, sections.wells, chart)
+    surfaces, outward = _caps([*sections.caps, *(top.cap for top in sections.tops)], chart)
+    faces = numbering(len(upper), np.arange(len(upper)), len(loops) + np.arange(len(upper)))
+    return Brep(
+        points=points,
+        ends=ends,
+        curves=(*laid.curves, Batch(drops, Lines(points[ends[drops, 0]], points[ends[drops, 1]]))),
+        tolerance_mm=np.concatenate([laid.tolerance_mm, np.full(len(drops), TOLERANCE_MM)]),
+        edges=np.concatenate([rings.edge[cap_uses], np.column_stack(walls).ravel()]),
+        ahead=np.concatenate([cap_ahead, np.tile([True, False, False, True], len(upper))]),
+        images=laid.images,
+        loops=starts_of([*(len(run) for run, _ in runs), *[SIDES] * len(upper)]),
+        bounds=starts_of([*map(len, loops), *[1] * len(upper)]),
+        surfaces=(*surfaces, *(batch.renumbered(faces) for batch in laid.surfaces)),
+        outward=np.concatenate([outward, laid.outward]),
+        shells=np.array([0, len(loops) + len(upper)]),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Rings:
+    """The edges along all loops of all wells, well by well and level by level.
+
+    start   (W + 1,) first ring of each well; size (W,) its segments on a level
+    after   (R,) the next along the same loop
+    below   (R,) the one under it, −1 on the last level
+    vertex  (R,) at its start
+    edge    (R,); at the level of bar tops the walls above and below share theirs
+    owner   (R,) whether the edge is this ring's own
+    seam    rings at the level of bar tops, by start and end
+    """
+
+    start: Indices
+    size: Indices
+    after: Indices
+    below: Indices
+    vertex: Indices
+    edge: Indices
+    owner: NDArray[np.bool_]
+    seam: dict[tuple[Point, Point], int]
+
+    @staticmethod
+    def of(sections: Sections) -> Rings:
+        wells = sections.wells
+        size = np.array([len(well.loops[0].segments) for well in wells])
+        start = starts_of(size * [len(well.levels) for well in wells])
+        number = np.arange(start[-1])
+        well = owners(start)
+        n, local = size[well], number - start[well]
+        after = np.where(local % n == n - 1, number - n + 1, number + 1)
+        below = np.where(number + n < start[well + 1], number + n, -1)
+        corner, side = number.copy(), number.copy()
+        corners: dict[Point, int] = {}
+        seam: dict[tuple[Point, Point], int] = {}
+        for i, k in _on_seam(sections):
+            for ring, s in enumerate(wells[i].loops[k].segments, int(start[i] + k * size[i])):
+                corner[ring] = corners.setdefault(s.start, ring)
+                side[ring] = seam.setdefault((s.start, s.end), ring)
+        vertex, edge = (np.unique(a, return_inverse=True)[1] for a in (corner, side))
+        return Rings(start, size, after, below, vertex, edge, side == number, seam)
+
+    @property
+    def edge_count(self) -> int:
+        return int(self.edge.max()) + 1
+
+    def end(self, well: int, end: int) -> Run:
+        """The first or last loop of a well, as seen from outside."""
+        step = np.arange(self.size[well])
+        if end == FIRST:
+            return self.start[well] + step, np.ones(len(step), np.bool_)
+        return self.start[well + 1] - 1 - step, np.zeros(len(step), np.bool_)
+
+    def along(self, loop: Loop) -> Run:
+        """The rings around the top of a bar."""
+        ends = [(s.start, s.end) for s in loop.segments]
+        ahead = [pair in self.seam for pair in ends]
+        found = [self.seam[a, b] if way else self.seam[b, a] for (a, b), way in zip(ends, ahead, strict=True)]
+        return np.array(found), np.array(ahead)
+
+    def points(self, wells: Sequence[Well], chart: Chart) -> Array:
+        """Of the vertices, (V, 3)."""
+        uv = np.array([s.start for well in wells for loop in well.loops for s in loop.segments])
+        depths = [level.depth_mm for well in wells for level in well.levels]
+        depth = np.repeat(depths, np.repeat(self.size, [len(well.levels) for well in wells]))
+        points = np.empty((int(self.vertex.max()) + 1, 3))
+        for level in np.unique(depth).tolist():
+            here = np.flatnonzero(depth == level)
+            points[self.vertex[here]] = chart.points(uv[here], level)
+        return points
+
+    def laid(self, wells: Sequence[Well], chart: Chart) -> Iterator[tuple[Columns, list[Indices]]]:
+        """The columns of wells, those of equal levels at once, and the rings that their traces are on each
+        level (−1: none: a storey has but some levels of the well that is laid)."""
+        groups: dict[object, list[int]] = {}
+        for i, well in enumerate(wells):
+            groups.setdefault(_whole(well).levels, []).append(i)
+        for members in groups.values():
+            levels = _whole(wells[members[0]]).levels
+            n = self.size[members]
+            first = np.repeat([levels.index(wells[i].levels[0]) for i in members], n)
+            count = np.repeat([len(wells[i].levels) for i in members], n)
+            top = np.repeat(self.start[members] - starts_of(n)[:-1], n) + np.arange(n.sum())
+            rings = [
+                np.where((first <= k) & (k < first + count), top + (k - first) * np.repeat(n, n), -1)
+                for k in range(len(levels))
+            ]
+            stacks = [stack for i in members for stack in _whole(wells[i]).stacks()]
+            yield chart.lay(stacks, levels), rings
+
+
+@dataclass(frozen=True, eq=False)
+class _Numbers:
+    """By ring, −1 for none: its own edge, its use in a cap, and of the wall below it the number and the first
+    use."""
+
+    edge: Indices
+    cap_use: Indices
+    wall: Indices
+    wall_use: Indices
+
+
+@dataclass(frozen=True, eq=False)
+class _Laid:
+    """What a chart gives: the geometry of all rings and walls."""
+
+    curves: CurveTable
+    tolerance_mm: Array
+    images: CurveTable
+    surfaces: SurfaceTable
+    outward: NDArray[np.bool_]
+
+    @staticmethod
+    def of(rings: Rings, numbers: _Numbers, wells: Sequence[Well], chart: Chart) -> _Laid:
+        tolerance = np.full(rings.edge_count, TOLERANCE_MM)
+        outward = np.ones(int(numbers.wall.max()) + 1, np.bool_)
+        curves: list[Batch[Curves]] = []
+        images: list[Batch[Curves]] = []
+        surfaces: list[Batch[Surfaces]] = []
+        for columns, at in rings.laid(wells, chart):
+            for traces, ring in zip(columns.traces, at, strict=True):
+                edge = _taken(numbers.edge, ring)
+                np.maximum.at(tolerance, edge[edge >= 0], traces.tolerance_mm[edge >= 0])
+                curves += [batch.renumbered(edge) for batch in traces.curves]
+                use = _taken(numbers.cap_use, ring)
+                images += [batch.renumbered(use) for batch in traces.images]
+            for band, ring, under in zip(columns.bands, at, at[1:], strict=False):
+                upper = np.where(under >= 0, ring, -1)
+                wall, use = _taken(numbers.wall, upper), _taken(numbers.wall_use, upper)
+                outward[wall[wall >= 0]] = band.outward[wall >= 0]
+                surfaces += [batch.renumbered(wall) for batch in band.surfaces]
+                for table, side in zip(band.images, (UPPER, LOWER, START, END), strict=True):
+                    images += [batch.renumbered(np.where(use >= 0, use + side, -1)) for batch in table]
+        return _Laid(_filled(curves), tolerance, _filled(images), _filled(surfaces), outward)
+
+
+def _caps(caps: Sequence[Cap], chart: Chart) -> tuple[SurfaceTable, NDArray[np.bool_]]:
+    """The surfaces of caps, and whether their own normals point out of the material."""
+    by_depth: dict[float, list[int]] = {}
+    for face, cap in enumerate(caps):
+        by_depth.setdefault(cap.depth_mm, []).append(face)
+    surfaces = tuple(
+        Batch(np.array(faces), chart.surface(depth)[np.zeros(len(faces), np.int64)])
+        for depth, faces in by_depth.items()
+    )
+    return surfaces, np.array([cap.up == chart.towards_reader(cap.depth_mm) for cap in caps])
+
+
+def _on_seam(sections: Sections) -> list[tuple[int, int]]:
+    """Wells and levels where storeys of walls meet."""
+    return [
+        (i, k)
+        for i, well in enumerate(sections.wells)
+        for k, level in enumerate(well.levels)
+        if level.depth_mm == sections.seam_mm
+    ]
+
+
+def _whole(well: Well) -> Well:
+    return well.part_of or well
+
+
+def _taken(numbers: Indices, at: Indices) -> Indices:
+    """The numbers at some places, −1 where the place is −1."""
+    return np.where(at >= 0, numbers[at], -1)
+
+
+def _filled(table: list[Batch[Any]]) -> tuple[Batch[Any], ...]:
+    return tuple(batch for batch in table if len(batch.rows))
