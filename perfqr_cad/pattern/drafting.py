@@ -72,7 +72,7 @@ def rejoined(
 ) -> tuple[Draft, bool]:
     """Routes laid wherever less than the least web holds a piece; and whether all hold now."""
     for _ in range(MOST_REJOINS):
-        if (pieces := numbered_pieces(draft, spec.web_mm)) is None:
+        if (pieces := numbered_pieces(draft, spec)) is None:
             return draft, True
         inverted = spec.tone == "inverted"
         draft, _ = join(draft, symbol, scale, spec.web_mm, inverted, spec.time_limit_s, pieces)

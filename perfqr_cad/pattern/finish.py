@@ -16,7 +16,7 @@ from perfqr_cad.pattern.front import joined, regions
 from perfqr_cad.pattern.lattice import Cells, Labels, Lattice
 from perfqr_cad.pattern.outline import Region
 from perfqr_cad.pattern.pattern import Optimality, Pattern
-from perfqr_cad.pattern.rings import front_cells, settled
+from perfqr_cad.pattern.rings import as_webs, front_cells, settled
 from perfqr_cad.pattern.sampling import brightness
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.pattern.style import ROUNDED_RADIUS
@@ -49,8 +49,8 @@ def finish(draft: Draft, job: Job | Pattern, sound: bool = False) -> Pattern:
 
     sound  the web has been checked already
     """
-    draft = settled(draft)
-    if not sound and len(pieces := web_pieces(ground(draft), job.spec.web_mm)) != 1:
+    draft = settled(draft, job.spec)
+    if not sound and len(pieces := web_pieces(_borne(draft, job.spec), job.spec.web_mm)) != 1:
         raise DesignError(
             f"webs under {job.spec.web_mm:g} mm hold the pattern: without them {len(pieces)} pieces are left,"
             " 1 is needed; use a larger --size or a finer nozzle"
@@ -62,20 +62,21 @@ def finish(draft: Draft, job: Job | Pattern, sound: bool = False) -> Pattern:
 
 def dressed(front: Sequence[Region], draft: Draft, spec: PatternSpec) -> tuple[Region, ...]:
     """The outline with smooth contours, rounded corners and the holes of its style."""
-    front = _smooth(front, draft, spec.web_mm)
+    front = _smooth(front, draft, spec)
     radius_mm = spec.fillet_radius_mm
     if spec.style == "rounded":
         radius_mm = max(radius_mm, ROUNDED_RADIUS * draft.lattice.module_mm)
     return tuple(filleted(region, radius_mm) for region in front)
 
 
-def _smooth(front: Sequence[Region], draft: Draft, web_mm: float) -> Sequence[Region]:
+def _smooth(front: Sequence[Region], draft: Draft, spec: PatternSpec) -> Sequence[Region]:
     """Smooth within the tolerance, or within less where that would cost a web."""
     tolerance_mm = draft.smooth_mm
+    bars = as_webs(draft, spec)
     while tolerance_mm > LEAST_SMOOTHING_MM:
         smooth = [smoothed(region, tolerance_mm, draft.recessed) for region in front]
-        polygon = joined(smooth, draft.recessed).polygon()
-        if polygon.is_valid and len(web_pieces(polygon, web_mm)) == 1:
+        polygon = joined(smooth, bars).polygon()
+        if polygon.is_valid and len(web_pieces(polygon, spec.web_mm)) == 1:
             return smooth
         tolerance_mm /= 2
     return front
@@ -87,7 +88,7 @@ def mended(draft: Draft, spec: PatternSpec) -> tuple[Draft, bool]:
     from shapely.ops import nearest_points
 
     for _ in range(MOST_MENDS):
-        parts = shapely.get_parts(ground(draft))
+        parts = shapely.get_parts(_borne(draft, spec))
         pieces = [piece for part in parts for piece in web_pieces(part, spec.web_mm) or [part]]
         pieces.sort(key=lambda piece: piece.area)
         for k, piece in enumerate(pieces[:-1]):
@@ -99,13 +100,13 @@ def mended(draft: Draft, spec: PatternSpec) -> tuple[Draft, bool]:
     return draft, False
 
 
-def numbered_pieces(draft: Draft, web_mm: float) -> Labels | None:
+def numbered_pieces(draft: Draft, spec: PatternSpec) -> Labels | None:
     """(cells, cells) piece of each cell when webs thinner than the least are cut; None when it is one."""
     import cv2
     import shapely
 
-    parts = shapely.get_parts(ground(draft))
-    pieces = [piece for part in parts for piece in web_pieces(part, web_mm) or [part]]
+    parts = shapely.get_parts(_borne(draft, spec))
+    pieces = [piece for part in parts for piece in web_pieces(part, spec.web_mm) or [part]]
     if len(pieces) <= 1:
         return None
     lattice = draft.lattice
@@ -166,6 +167,14 @@ def front_regions(draft: Draft) -> tuple[Region, ...]:
     outers = [loop for loop, area in zip(loops, rings.areas, strict=True) if area > 0]
     holes = [loop for loop, area in zip(loops, rings.areas, strict=True) if area < 0]
     return regions(outers, [*holes, *draft.shapes])
+
+
+def _borne(draft: Draft, spec: PatternSpec) -> Any:
+    """The material by which the least web is judged: recessed bars count as wide as that, see `as_webs`."""
+    cells = draft.upright.copy()
+    for bar in as_webs(draft, spec):
+        draft.rect(bar).of(cells)[:] = True
+    return ground(draft, cells)
 
 
 def ground(draft: Draft, cells: Cells | None = None) -> Any:

@@ -84,6 +84,14 @@ class Pattern:
         """The region as a shapely polygon, curves within the default tolerance."""
         return self.region.polygon()
 
+    @cached_property
+    def web_polygon(self) -> Polygon:
+        """The polygon by which the least web is judged: recessed bars count as wide as that (`as_webs`)."""
+        from perfqr_cad.pattern.front import joined
+        from perfqr_cad.pattern.rings import as_webs
+
+        return joined(self.front, as_webs(self.draft, self.spec)).polygon()
+
     def with_bridge(self, bridge: Bridge) -> Pattern:
         """The pattern with one more bridge, sampled again; see `with_bridges`."""
         return self.with_bridges((bridge,))

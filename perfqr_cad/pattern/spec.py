@@ -29,10 +29,12 @@ class PatternSpec:
     min_web_mm     least width of material; None: two nozzle lines
     min_gap_mm     least width of a hole; None: one nozzle
     fillet_mm      radius in re-entrant corners of the material; None: half the nozzle, 0: sharp
-    finder         bars across the dark rings: `panel` one by the corner, `diagonal` the paper's four at 45°,
-                   `recessed` the same but for the one ring that readers trace, in small codes: there it lies
-                   at the back of a slot that is pinched
+    finder         bars across the dark rings: `panel` one by the corner, flush with the face; `diagonal` the
+                   paper's four at 45°; `recessed` one by the corner, behind the face, and in small codes, on
+                   the one ring that readers trace, at the end of a slot that is pinched
     bar_height_mm  height of a recessed bar above the back of the part
+    bar_width_mm   width of the recessed bar in the pinched slot; None: one nozzle line, the only material
+                   that may be under the least web
     objective      `optimal`, or the baselines `paper` (Eq. (4)) and `mst` (Eq. (4) with λ = 0)
     loss_weight    λ of Eq. (4)
     tone           `normal`: light modules are material; `inverted`: dark modules are
@@ -49,6 +51,7 @@ class PatternSpec:
     fillet_mm: float | None = None
     finder: FinderStrategy = "recessed"
     bar_height_mm: float = 0.4
+    bar_width_mm: float | None = None
     objective: Objective = "optimal"
     loss_weight: float = 1.0
     tone: Tone = "normal"
@@ -61,7 +64,7 @@ class PatternSpec:
         _positive("nozzle_mm", self.nozzle_mm)
         _positive("time_limit_s", self.time_limit_s)
         _positive("bar_height_mm", self.bar_height_mm)
-        for name in ("min_web_mm", "min_gap_mm", "size_mm"):
+        for name in ("bar_width_mm", "min_web_mm", "min_gap_mm", "size_mm"):
             if (value := getattr(self, name)) is not None:
                 _positive(name, value)
         size = self.size_mm or 0.0
@@ -82,6 +85,11 @@ class PatternSpec:
     def web_mm(self) -> float:
         """Least width of material, mm."""
         return LINES_PER_WEB * self.nozzle_mm if self.min_web_mm is None else self.min_web_mm
+
+    @property
+    def line_mm(self) -> float:
+        """Width of the recessed bar in the pinched slot, mm."""
+        return self.nozzle_mm if self.bar_width_mm is None else self.bar_width_mm
 
     @property
     def gap_mm(self) -> float:

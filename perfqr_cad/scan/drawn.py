@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.pattern.front import edge_under
+from perfqr_cad.pattern.outline import Line
 from perfqr_cad.scan import plate
 from perfqr_cad.scan.camera import facing_up
 from perfqr_cad.scan.placing import Part
@@ -25,7 +27,7 @@ from perfqr_cad.scan.sections import Stack, area
 from perfqr_cad.scan.skylight import Picture
 
 if TYPE_CHECKING:
-    from perfqr_cad.pattern import Bridge, Pattern
+    from perfqr_cad.pattern import Pattern
 
 FINER = 2  # distances are measured at this many times the sections' resolution
 STEPS = 4  # shares of the flare that webs of different widths are granted
@@ -35,7 +37,8 @@ def drawn(pattern: Pattern, thickness_mm: float, *, draft_deg: float = 0.0, lip_
     """The plate that a pattern would be, ready to be filmed.
 
     Walls stand upright for the lip and flare behind it by the draft, as far as the pattern's least web
-    allows. DesignError if the lip leaves nothing to flare.
+    allows; those that recessed bars stand on are upright throughout. DesignError if the lip leaves nothing
+    to flare.
     """
     if draft_deg > 0 and lip_mm >= thickness_mm:
         raise DesignError(
@@ -46,7 +49,7 @@ def drawn(pattern: Pattern, thickness_mm: float, *, draft_deg: float = 0.0, lip_
     flared_mm = thickness_mm - lip_mm if draft_deg > 0 else 0.0
     flare_mm = flared_mm * float(np.tan(np.radians(draft_deg)))
     walls = _walls(pattern, edge_mm, flare_mm)
-    bars = _picture([_reaching(bar, flare_mm) for bar in pattern.recessed], edge_mm, SECTION_PX)
+    bars = _picture([np.array(bar.corners()) for bar in pattern.recessed], edge_mm, SECTION_PX)
     height_mm = max((bar.height_mm or 0.0 for bar in pattern.recessed), default=0.0)
     shares = np.clip((depth_mm - lip_mm) / flared_mm, 0.0, 1.0) if flared_mm > 0 else np.zeros(len(depth_mm))
     kinds = list(zip(shares.tolist(), (depth_mm > thickness_mm - height_mm).tolist(), strict=True))
@@ -93,6 +96,7 @@ def _walls(pattern: Pattern, edge_mm: float, flare_mm: float) -> _Walls:
         # Discs that keep half the least web when shrunk by this flare; what they cover can bear it.
         radius = flare_px + pattern.spec.web_mm * per_mm / 2
         bears[_distance(inside < radius) <= radius] = flare_px
+    bears[_picture(_upright(pattern, flare_mm), edge_mm, fine_px) > 0.5] = 0
     return _Walls(front, _halved(inside), _halved(bears))
 
 
@@ -107,13 +111,19 @@ def _halved(lengths: Picture) -> Picture:
     return shrunk(lengths, (SECTION_PX, SECTION_PX)) / np.float32(FINER)
 
 
-def _reaching(bar: Bridge, flare_mm: float) -> NDArray[np.float64]:
-    """Corners (4, 2) of a bar that still meets walls which have given way."""
-    start, end = np.array(bar.start), np.array(bar.end)
-    ahead = (end - start) / np.linalg.norm(end - start)
-    aside = np.array([ahead[1], -ahead[0]]) * bar.width_mm / 2
-    start, end = start - flare_mm * ahead, end + flare_mm * ahead
-    return np.array([start + aside, end + aside, end - aside, start - aside])
+def _upright(pattern: Pattern, reach_mm: float) -> list[NDArray[np.float64]]:
+    """Corners (4, 2) of the material that lies within a reach of the edges that recessed bars stand on."""
+    segments = [s for region in pattern.front for loop in region.loops for s in loop.segments]
+    lines = [segment for segment in segments if isinstance(segment, Line)]
+    starts, ends = (np.array([getattr(line, end) for line in lines]) for end in ("start", "end"))
+    strips: list[NDArray[np.float64]] = []
+    for point in (end for bar in pattern.recessed for end in (bar.start, bar.end)):
+        k = edge_under(point, starts, ends)
+        assert k is not None  # a pattern's recessed bars stand on straight edges
+        start, end = starts[k], ends[k]
+        inwards = np.array([start[1] - end[1], end[0] - start[0]]) * reach_mm / np.linalg.norm(end - start)
+        strips.append(np.array([start, end, end + inwards, start + inwards]))
+    return strips
 
 
 def _picture(loops: Sequence[NDArray[np.float64]], edge_mm: float, pixels: int) -> Picture:

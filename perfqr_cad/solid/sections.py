@@ -149,12 +149,14 @@ class _Path:
     flares_mm: Array | None
 
     def clear_of(self, bars: Sequence[Bridge], marks: dict[int, list[Mark]]) -> _Path:
-        """The path, the segments beside edges that bars stand on set back by no more than those can lose."""
+        """The path, the edges that bars stand on upright, so that their slots stay narrow and dark, and the
+        segments beside them set back by no more than those can lose."""
         if self.flares_mm is None:
             return self
         flares, n = self.flares_mm.copy(), len(self.flares_mm)
         for s, found in marks.items():
             edge = self.loop.segments[s]
+            flares[s] = 0.0
             sides = [foot for mark in found for foot in crossings(edge, bars[mark.bar])]
             for way, room in ((-1, min(sides)), (1, edge.length - max(sides))):
                 for step in BESIDE:

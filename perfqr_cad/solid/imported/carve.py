@@ -122,7 +122,9 @@ def _removed_mm3(host: Host, motif: Motif, laid: Laid, walls: Walls) -> float:
     holes = removed_mm3(host, motif.flush.holes, laid, walls.depth_mm)
     if not motif.bars:
         return holes
-    return holes + removed_mm3(host, motif.bar_loops(0.0), laid, motif.top_depth_mm(laid.thickness_mm))
+    # Rings in pockets stand on the floor: there is no bar before which to stop.
+    slot_mm = motif.top_depth_mm(laid.thickness_mm) if walls.depth_mm is None else walls.depth_mm
+    return holes + removed_mm3(host, motif.bar_loops(0.0), laid, slot_mm)
 
 
 def _is_valid(shape: TopoDS_Solid, host: Host, volume_mm3: float) -> bool:
