@@ -160,7 +160,8 @@ def _slot(draft: Draft, bar: RingBar, width: float, spec: PatternSpec) -> _Slot 
     beside = middle - half - gap, middle + half + gap
     slot, tip = beside, outer
     if bar.pinch is not None:
-        slot = _cell(draft, (bar.pinch[0],) * 2)[0], _cell(draft, (bar.pinch[1],) * 2)[0]
+        first, last = (_cell(draft, (k, k))[0] for k in bar.pinch)
+        slot = first, last
         tip = outer + inwards * max(0, u - max(gap, round(SLOT * u)))
 
     def rect(across: tuple[int, int], along: tuple[int, int]) -> Rect:
