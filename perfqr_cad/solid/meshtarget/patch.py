@@ -65,7 +65,8 @@ class Patch:
         from OCP.gp import gp_Vec
         from OCP.TopoDS import TopoDS
 
-        from perfqr_cad.solid.occ import TOLERANCE_MM, spline_surface
+        from perfqr_cad.solid.brep import TOLERANCE_MM
+        from perfqr_cad.solid.occ import spline_surface
 
         across = greville(self.knots)
         x, y = np.meshgrid(across, across, indexing="ij")
