@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.scan import Scene
 
-# Values tried for each setting. A lip of two printed layers keeps the front edge crisp; beyond 15° of draft
-# the back webs, not the walls, limit what is seen.
+# Values tried for each setting. A lip of one or two printed layers keeps the front edge crisp; beyond 15° of
+# draft the back webs, not the walls, limit what is seen.
 DRAFTS_DEG = (0.0, 8.0, 12.0, 15.0)
-LIP_MM = 0.4
+LIPS_MM = (0.0, 0.2, 0.4)
 # Plates only: shares of the thickness asked for, down to the thinnest that still prints as a plate.
 THICKNESS_SHARES = (1.0, 0.75, 0.5)
 THINNEST_MM = 0.8
@@ -40,13 +40,13 @@ def for_reader(
 
     assert request.scan_tilt_deg is not None
     tell("tune for the reader")
-    lip_mm = min(LIP_MM, thickness_mm / 2)
+    lips_mm = sorted({min(lip, thickness_mm / 2) for lip in LIPS_MM})
     start = {
         "draft_deg": request.draft_deg,
         "lip_mm": min(request.lip_mm, thickness_mm / 2),
         "thickness_mm": thickness_mm,
     }
-    choices: dict[str, tuple[float, ...]] = {"draft_deg": DRAFTS_DEG, "lip_mm": (0.0, lip_mm)}
+    choices: dict[str, tuple[float, ...]] = {"draft_deg": DRAFTS_DEG, "lip_mm": tuple(lips_mm)}
     if plate:
         shares = (max(THINNEST_MM, share * thickness_mm) for share in THICKNESS_SHARES)
         choices["thickness_mm"] = tuple(sorted({*shares, thickness_mm}))

@@ -23,7 +23,7 @@ from perfqr_cad.table import Table
 
 VERSIONS = (1, 3, 6, 7, 20, 40)
 MODULES_MM = (1.2, 2.4)  # the least that a 0.4 mm nozzle can print, and twice that
-THICKNESS_MM, LIP_MM, DRAFT_DEG = 1.2, 0.4, 12.0  # a plate that is meant to be read from the side
+THICKNESS_MM, LIP_MM, DRAFT_DEG = 1.6, 0.2, 15.0  # a plate that is meant to be read from the side
 TILTS_DEG = (0.0, 20.0, 30.0)
 AZIMUTHS_DEG = (65.0, 205.0)  # off the code's axes, as the certificate films it
 VIEW_MODULE_PX = 6.0  # frontal

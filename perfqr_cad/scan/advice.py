@@ -14,13 +14,13 @@ def sentences(report: ScanReport) -> tuple[str, ...]:
     walls = [r.name for r in report.decoders.values() if r.frontal and _short_of_flat(r)]
     if walls:
         lines.append(
-            "walls hide holes from the side: a 0.4 mm lip and 8 to 15° of draft behind it, or a thin plate, "
+            "walls hide holes from the side: a 0.2 mm lip and 12 to 15° of draft behind it, or a thin plate, "
             "brings the tilt limit up"
         )
     if "zxing-cpp" in walls:
         lines.append(
             "zxing-cpp follows the dark ring of the lower-left finder: recess the bar across it, or blacken "
-            "it, until it gets less than a third of the light on the front; or take version 7 or more"
+            "it, until it gets less than a third of the light on the front"
         )
     return tuple(lines)
 

@@ -21,6 +21,7 @@ LEAST_WEB_MM = 0.4  # one line of the common nozzle: nothing thinner is printed
 SECTION_PX = 800  # sections as fine as a 1000-pixel view that the part fills to 80 %
 WEB_PX = 2  # no web of fewer pixels is seen
 MARGIN = 1.08  # sections reach this far beyond the part, so that its outer walls have lit air beside them
+KEPT_SHOTS = 4  # views whose light is kept: the grounds differ in colour only, 12 bytes a pixel each
 TARGET_PX = 450  # a code seen smaller than this is rendered larger and averaged down
 
 
@@ -53,17 +54,27 @@ class Scene:
         return photo.develop_colour(self.shot(view, look), look, front=look.light.on_front, seed=seed)
 
     def shot(self, view: View, look: Look) -> Shot:
-        """Light on the picture before colours and camera faults."""
+        """Light on the picture before colours and camera faults; the last few are kept."""
+        key = view, look.light, look.gap_mm, _reflectance(look)
+        kept = self._shots.get(key)
+        if kept is None:
+            kept = self._shots[key] = self._shot(view, look)
+            while len(self._shots) > KEPT_SHOTS:
+                self._shots.pop(next(iter(self._shots)), None)
+        return kept
+
+    def _shot(self, view: View, look: Look) -> Shot:
         finer = int(np.clip(np.ceil(TARGET_PX / (view.fill * view.size_px)), 1, 4))
         camera = Camera(replace(view, size_px=view.size_px * finer), self.part.target)
         reflectance = _reflectance(look)
         if self.part.flat:
-            shot = self._film_plate(camera, look, reflectance)
+            shot = self.layered(camera, look, reflectance)
         else:
             shot = self.cast(camera, look, reflectance)
         return shot if finer == 1 else _smaller(shot, finer)
 
-    def _film_plate(self, camera: Camera, look: Look, reflectance: float) -> Shot:
+    def layered(self, camera: Camera, look: Look, reflectance: float) -> Shot:
+        """The view of a plate by its sections."""
         return plate.shoot(
             self._stack,
             self._brightness(look, reflectance),
@@ -94,6 +105,10 @@ class Scene:
 
     @cached_property
     def _lit(self) -> dict[tuple[Light, float, float], skylight.Brightness]:
+        return {}
+
+    @cached_property
+    def _shots(self) -> dict[tuple[View, Light, float, float], Shot]:
         return {}
 
     @cached_property

@@ -26,7 +26,6 @@ AZIMUTHS_DEG = (20.0, 110.0, 200.0, 290.0)  # near the code's axes, where walls 
 # A local threshold lies about half-way between the tones around it; 5 modules are what the finders span.
 THRESHOLD_MODULES = 5
 RING_WIDTH = 7  # modules across a finder pattern
-TILED = 45  # modules of version 7, the first whose alignment patterns tile the symbol
 # A bar across the dark ring is seen as a gap when its light passes this part of the front's (measured on flat
 # prints with a painted bar: read at every tilt to 40° up to 0.35, at none from 0.45 on; bar of 0.6 module).
 GAP_LIGHT = 0.33
@@ -37,8 +36,7 @@ class Legibility:
     """margins (n, n): tone's distance from the local threshold on the right side, part of full contrast.
 
     ring   the brightest light met on a walk around the dark ring of the lower-left finder, as a part of the
-           front's: above `GAP_LIGHT` zxing-cpp finds it broken and takes the code for untilted; 0 from
-           version 7 on, where it goes by the alignment patterns
+           front's: above `GAP_LIGHT` zxing-cpp finds it broken and takes the code for untilted
     """
 
     tilt_deg: float
@@ -74,7 +72,7 @@ def legibility(
     faces = [_seen(scene, n, module_mm, tilt_deg, azimuth, look) for azimuth in AZIMUTHS_DEG]
     margins = np.min([_margins(tone, matrix.dark, look) for tone in faces], axis=0).astype(np.float32)
     margins.setflags(write=False)
-    return Legibility(tilt_deg, margins, max(_ring_light(tone, n) for tone in faces) if n < TILED else 0.0)
+    return Legibility(tilt_deg, margins, max(_ring_light(tone, n) for tone in faces))
 
 
 def _seen(
