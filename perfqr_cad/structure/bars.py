@@ -17,6 +17,9 @@ from perfqr_cad.structure.plate import Section
 from perfqr_cad.structure.t6 import Floats, Ints, Mesh, shapes
 
 END_POINTS = (-1 / 3, 0.0, 1 / 3)  # where an end is tied, in widths across it
+# Measured stress over nominal where bars meet walls, on 230 ends of three plates: half are below 1.3, the
+# larger ones of those that are as stressed as the part allows reach 1.2 to 1.8.
+NOTCH = 1.5
 NEAREST = 12  # elements tried for the one that holds a point
 
 
@@ -81,7 +84,7 @@ def _stiffnesses(section: Section, t: float, length: Floats, width: Floats) -> t
 
 
 def bar_tensors(section: Section, t: float, bars: Candidates, modes: int) -> Floats:
-    """Nominal tensors (k, 2, 5, modes) at the two ends of each bar per unit of C's mode amplitudes."""
+    """Tensors (k, 2, 5, modes) at the two ends of each bar per unit of C's mode amplitudes."""
     length, width = bars.length_mm, bars.width_mm
     stiff = _stiffnesses(section, t, length, width)
     root = np.sqrt(np.array(stiff[:modes]))
@@ -96,7 +99,7 @@ def bar_tensors(section: Section, t: float, bars: Candidates, modes: int) -> Flo
             out[:, end, 0, 3] = root[3] / (width * t)
             out[:, end, 0, 4] = sign * 0.5 * length * root[4] * 6.0 / (width**2 * t)
             out[:, end, 0, 5] = root[5] * 6.0 / (width**2 * t)
-    return out
+    return NOTCH * out
 
 
 Entries = tuple[Ints, Ints, Floats]

@@ -1,7 +1,7 @@
 """The better choice of bridges: most stress removed per unit of decoding margin spent.
 
-One adjoint solve ranks every bar. The best few that do not stand in each other's way are then compared exactly,
-singly and together, and many are laid at once (see `relief`).
+One adjoint solve ranks every bar. The best few that do not stand in each other's way are then compared
+exactly, singly and together, and many are laid at once (see `relief`).
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.structure.bars import bar_tensors, couplings, places_under
-from perfqr_cad.structure.candidates import Candidates, lattice_candidates
+from perfqr_cad.structure.candidates import Allowance, Budget, Candidates
+from perfqr_cad.structure.lattice_bars import lattice_candidates
 from perfqr_cad.structure.measure import von_mises
 from perfqr_cad.structure.reanalysis import Reanalysis, Response, stress_operator
-from perfqr_cad.structure.relief import NORM, TENSOR, Shortlist, greedy, power_mean
+from perfqr_cad.structure.relief import TENSOR, Shortlist, greedy, power_mean, power_mean_slope
 from perfqr_cad.structure.t6 import Floats, Ints
 
 if TYPE_CHECKING:
@@ -30,14 +31,17 @@ SHORT_LIST = 32  # bars compared exactly in a round
 RIVALS = 1  # of bars in each other's way, how many are compared
 PROBES = 8  # bars whose exact flexibility stands for all in the ranking
 PER_ROUND = 32  # bars laid in a round at most
-MOST_ROUNDS = 8  # between two conforming meshes
-AIM = 0.97  # of the limit: bars stand on the old mesh, the conforming one may say a little more
+MOST_ROUNDS = 12  # between two conforming meshes
+ROUND_GAIN = 0.01  # of the stress: a round that takes less off is the last one
+WEAK_SLACK = 0.03  # above the least stress: where a part stays too weak, bars that gain less are not worth it
+AIM = 0.94  # of the limit: what a conforming mesh says of bars may be some per cent more
 LEAST_GAIN = 1e-3  # of the stress: what a bar must take off to be laid, and to stay
 BASE_PRICE = 0.2  # margin that any bar costs: two small ones are no better than one that helps
 LENGTH_PRICE = 0.05  # margin that a module's length of bar costs even along module edges
 CENTRE_PRICE = 0.2  # margin that a fully lightened module centre costs besides its codeword
 
 Flags = NDArray[np.bool_]
+Key = tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -65,43 +69,50 @@ class _Offer:
 class OptimalChoice:
     """Chooses bridges by exact stress relief per decoding margin."""
 
-    def __init__(self) -> None:
-        self._refused: set[tuple[float, ...]] = set()
+    def __init__(self, allowance: Allowance) -> None:
+        self._allowance = allowance
+        self._refused: set[Key] = set()
         self.removed = 0
 
     def lay(
         self, pattern: Pattern, analysis: Reanalysis, limit_mpa: float
     ) -> tuple[Pattern, list[Bridge], list[float]]:
         """Bridges until the re-analysed stress is within the limit: pattern, bridges, stress by round."""
-        web, gap = pattern.spec.web_mm, pattern.spec.gap_mm
-        bars = lattice_candidates(pattern, tuple(share * web for share in WIDTHS_IN_WEBS))
+        web, gap, aim = pattern.spec.web_mm, pattern.spec.gap_mm, AIM * limit_mpa
+        bars = lattice_candidates(pattern, self._allowance, tuple(share * web for share in WIDTHS_IN_WEBS))
         if not len(bars):
             return pattern, [], []
+        budget = Budget(pattern, self._allowance)
         offer = _Offer(bars, couplings(analysis.model, bars), _price(bars, pattern.module_mm))
-        is_open = np.array([_key(offer.bridge(k)) not in self._refused for k in range(len(bars))])
+        is_open = np.array([key not in self._refused for key in _keys(bars)])
         host = _host_flexibility(analysis, offer)
-        laid: list[int] = []
-        stresses: list[float] = []
-        for _ in range(MOST_ROUNDS):
-            today = analysis.largest
-            if today <= AIM * limit_mpa:
-                break
-            chosen, response = _round(analysis, offer, is_open, host, AIM * limit_mpa, gap)
+        laid: list[Ints] = []
+        stresses = [analysis.largest]
+        while stresses[-1] > aim and len(laid) < MOST_ROUNDS:
+            chosen, response = _round(analysis, offer, is_open, host, aim, gap)
+            kept = np.array([budget.spend(bars.turned[row]) for row in chosen], np.bool_)
+            is_open[chosen[~kept]] = False
             if not len(chosen):
                 break
-            analysis.add(response, places_under(analysis.model.mesh, bars.take(chosen)))
-            if analysis.largest > (1.0 - LEAST_GAIN) * today:  # nothing reaches the weakest place
-                analysis.drop(len(chosen) * offer.modes)
-                break
-            laid += chosen.tolist()
-            for row in chosen:
+            if not kept.any():
+                continue
+            for row in chosen[kept]:
                 is_open &= ~bars.in_the_way_of(row, gap)
+            response = response.take(block(np.flatnonzero(kept), offer.modes))
+            new = bars.take(chosen[kept])
+            own = bar_tensors(analysis.model.section, analysis.model.wall_mm, new, offer.modes)
+            analysis.add(response, own, places_under(analysis.model.mesh, new))
+            laid.append(chosen[kept])
             stresses.append(analysis.largest)
-        wanted = [offer.bridge(row) for row in np.array(laid)[_useful(analysis, len(laid))].tolist()]
-        self.removed += len(laid) - len(wanted)
-        bridged, fitting = _with_those_that_fit(pattern, wanted)
-        self._refused |= {_key(bridge) for bridge in wanted if bridge not in fitting}
-        return bridged, fitting, stresses
+            if stresses[-1] > (1.0 - ROUND_GAIN) * stresses[-2]:
+                break
+        rounds = worth(stresses, aim)
+        analysis.drop(offer.modes * sum(len(rows) for rows in laid[rounds:]))
+        rows = np.concatenate([np.zeros(0, np.int64), *laid[:rounds]])
+        useful = _useful(analysis, len(rows))
+        self.removed += int((~useful).sum())
+        bridged, fitting = self._fitted(pattern, [offer.bridge(row) for row in rows[useful].tolist()])
+        return bridged, fitting, stresses[1 : rounds + 1]
 
     def avoid(self, bridges: Sequence[Bridge], place: tuple[float, float], reach_mm: float) -> None:
         """Do not lay bridges again that end near a place they made worse; all of them if none is near."""
@@ -111,6 +122,31 @@ class OptimalChoice:
             if worse:
                 self._refused.add(_key(bridge))
 
+    def _fitted(self, pattern: Pattern, bridges: list[Bridge]) -> tuple[Pattern, list[Bridge]]:
+        """The pattern with these bridges less those that break one of its rules, sought by halving."""
+        if not bridges:
+            return pattern, []
+        try:
+            bridged = pattern.with_bridges(bridges)
+        except DesignError:
+            bridged = None
+        if bridged is not None and self._allowance.covers(bridged.readability):
+            return bridged, bridges
+        if len(bridges) == 1:
+            self._refused.add(_key(bridges[0]))
+            return pattern, []
+        half = len(bridges) // 2
+        pattern, first = self._fitted(pattern, bridges[:half])
+        pattern, rest = self._fitted(pattern, bridges[half:])
+        return pattern, first + rest
+
+
+def worth(stresses: Sequence[float], aim_mpa: float) -> int:
+    """How many rounds to keep, given the stress before the first and after each: if the aim is not reached,
+    the fewest that come close to the best of them."""
+    best = max(aim_mpa, min(stresses) * (1.0 + WEAK_SLACK))
+    return next(k for k, stress in enumerate(stresses) if stress <= best)
+
 
 def _round(
     analysis: Reanalysis, offer: _Offer, is_open: Flags, host: Floats, aim_mpa: float, gap_mm: float
@@ -118,25 +154,40 @@ def _round(
     """Rows of the bars worth laying together now, best first, and their response."""
     hot, _ = analysis.hot_places
     operator = stress_operator(analysis.model, analysis.discs, hot)
-    now = operator @ analysis.displacement
-    adjoint = analysis.solve(np.where(analysis.model.fixed, 0.0, operator.T @ _gradient(now, len(hot))))
-    short = _short_list(analysis, offer, adjoint, host, is_open, gap_mm)
+    now = [(operator @ analysis.displacement).reshape(-1, TENSOR)]
+    if analysis.modes:
+        now.append(analysis.in_bars().reshape(-1, TENSOR))
+    short = _short_list(analysis, offer, _adjoint(analysis, operator, now), host, is_open, gap_mm)
     response = analysis.respond(offer.columns(short))
     if not len(short):
         return short, response
     bars, modes, count = offer.bars.take(short), offer.modes, len(short)
-    layers = len(now) // (TENSOR * len(hot))
+    relief = [analysis.between(sp.csc_matrix(operator.T), response)]
+    if analysis.modes:
+        relief.append(analysis.relief_in_bars(response))
+    under = np.repeat(bars.cover(analysis.model.mesh.nodes[hot]), len(now[0]) // len(hot), axis=0)
+    tensors = np.concatenate(now)
     exact = Shortlist(
-        now=now.reshape(-1, TENSOR),
-        relief=analysis.between(sp.csc_matrix(operator.T), response).reshape(len(now), count, modes),
+        now=tensors,
+        relief=np.concatenate(relief).reshape(-1, count, modes),
         flexibility=analysis.between(response.coupling, response).reshape(count, modes, count, modes),
         strain=(response.coupling.T @ analysis.displacement).reshape(count, modes),
         own=bar_tensors(analysis.model.section, analysis.model.wall_mm, bars, modes),
-        under=np.repeat(bars.cover(analysis.model.mesh.nodes[hot]), layers, axis=0),
+        under=np.pad(under, ((0, len(tensors) - len(under)), (0, 0))),
         clash=np.stack([bars.in_the_way_of(k, gap_mm) for k in range(count)]),
     )
     chosen = np.array(greedy(exact, offer.price[short], aim_mpa, LEAST_GAIN, PER_ROUND), np.int64)
     return short[chosen], response.take(block(chosen, modes))
+
+
+def _adjoint(analysis: Reanalysis, operator: sp.csr_matrix, now: Sequence[Floats]) -> Floats:
+    """The displacement (n,) whose work with any forces is what these take off the power mean, scaled."""
+    slope = power_mean_slope(np.concatenate(now))
+    at_places = operator.T @ slope[: len(now[0])].ravel()
+    pull = analysis.solve(np.where(analysis.model.fixed, 0.0, at_places))
+    if analysis.modes:
+        pull += analysis.pull_of_bars(slope[len(now[0]) :].reshape(analysis.in_bars().shape))
+    return pull
 
 
 def _short_list(
@@ -194,9 +245,17 @@ def block(rows: Ints, modes: int) -> Ints:
     return (rows[:, None] * modes + np.arange(modes)).ravel()
 
 
-def _key(bridge: Bridge) -> tuple[float, ...]:
-    """A bar as rounded numbers: candidates are found anew for each pattern."""
-    return tuple(round(x, 3) for x in (*bridge.start, *bridge.end, bridge.width_mm))
+def _key(bridge: Bridge) -> Key:
+    """A bar as whole micrometres: candidates are found anew for each pattern."""
+    return _keys_of(np.array([[*bridge.start, *bridge.end, bridge.width_mm]]))[0]
+
+
+def _keys(bars: Candidates) -> list[Key]:
+    return _keys_of(np.concatenate([bars.start, bars.end, bars.width_mm[:, None]], axis=1))
+
+
+def _keys_of(numbers_mm: Floats) -> list[Key]:
+    return list(map(tuple, np.rint(1e3 * numbers_mm).astype(np.int64).tolist()))
 
 
 def _price(bars: Candidates, module_mm: float) -> Floats:
@@ -207,28 +266,3 @@ def _price(bars: Candidates, module_mm: float) -> Floats:
         + CENTRE_PRICE * bars.covered
         + LENGTH_PRICE * bars.length_mm / module_mm
     )
-
-
-def _gradient(tensors: Floats, places: int) -> Floats:
-    """Derivative of the power mean's sum by each tensor component, to scale only: it ranks."""
-    parts = tensors.reshape(places, -1, TENSOR)
-    stress = von_mises(parts)
-    weight = (stress / stress.max()) ** (NORM - 1) / np.maximum(stress, np.finfo(float).tiny)
-    xx, yy, xy, xz, yz = np.moveaxis(parts, -1, 0)
-    slope = np.stack([xx - 0.5 * yy, yy - 0.5 * xx, 3.0 * xy, 3.0 * xz, 3.0 * yz], axis=-1)
-    return (weight[..., None] * slope).ravel()
-
-
-def _with_those_that_fit(pattern: Pattern, bridges: list[Bridge]) -> tuple[Pattern, list[Bridge]]:
-    """The pattern with these bridges less those that break one of its rules; sought by halving."""
-    if not bridges:
-        return pattern, []
-    try:
-        return pattern.with_bridges(bridges), bridges
-    except DesignError:
-        if len(bridges) == 1:
-            return pattern, []
-    half = len(bridges) // 2
-    pattern, first = _with_those_that_fit(pattern, bridges[:half])
-    pattern, rest = _with_those_that_fit(pattern, bridges[half:])
-    return pattern, first + rest

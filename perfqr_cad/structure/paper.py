@@ -11,8 +11,8 @@ import shapely
 from scipy.sparse.csgraph import dijkstra
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.structure.bars import couplings, places_under
-from perfqr_cad.structure.candidates import Candidates, affordable, holes_of
+from perfqr_cad.structure.bars import bar_tensors, couplings, places_under
+from perfqr_cad.structure.candidates import Allowance, Candidates, affordable, holes_of
 from perfqr_cad.structure.reanalysis import Reanalysis
 from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
 
@@ -32,7 +32,8 @@ class PaperChoice:
 
     removed = 0  # the paper keeps every bridge
 
-    def __init__(self, loss_weight: float) -> None:
+    def __init__(self, allowance: Allowance, loss_weight: float) -> None:
+        self._allowance = allowance
         self._loss_weight = loss_weight
 
     def lay(
@@ -48,7 +49,8 @@ class PaperChoice:
                 break
             pattern, bridge, bar = found
             coupling = couplings(analysis.model, bar)
-            analysis.add(analysis.respond(coupling), places_under(analysis.model.mesh, bar))
+            own = bar_tensors(analysis.model.section, analysis.model.wall_mm, bar, len(coupling.indptr) - 1)
+            analysis.add(analysis.respond(coupling), own, places_under(analysis.model.mesh, bar))
             bridges.append(bridge)
             stresses.append(analysis.largest)
             if stresses[-1] <= limit_mpa:
@@ -81,7 +83,7 @@ class PaperChoice:
             return None
         width = np.full(len(ends), pattern.spec.web_mm)
         p = np.repeat(mesh.nodes[start][None], len(ends), axis=0)
-        bars = affordable(pattern, p, mesh.nodes[ends], width)
+        bars = affordable(pattern, self._allowance, p, mesh.nodes[ends], width)
         if not len(bars):
             return None
         geodesic = dijkstra(graph, directed=False, indices=start)
@@ -95,7 +97,7 @@ class PaperChoice:
                 bridged = pattern.with_bridge(bridge)
             except DesignError:  # breaks a web or gap rule: the next cheapest
                 continue
-            if np.isfinite(bridged.readability.total):
+            if self._allowance.covers(bridged.readability):
                 return bridged, bridge, bars.take(np.array([row]))
         return None
 

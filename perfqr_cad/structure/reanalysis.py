@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from perfqr_cad.structure.measure import Discs
+from perfqr_cad.structure.measure import Discs, von_mises
 from perfqr_cad.structure.model import Model
 from perfqr_cad.structure.solvers import Factor
 from perfqr_cad.structure.t6 import Floats, Ints
@@ -51,6 +51,7 @@ class Reanalysis:
         self._laid = self.respond(sp.csc_matrix((len(forces), 0)))
         self._small: Floats = np.zeros((0, 0))  # 1 + CᵀZ0
         self.displacement = self._base
+        self._own: Floats = np.zeros((0, 0, 5, 0))
         self._hot: tuple[Ints, Floats] | None = None
         self._under: Ints = np.zeros(0, np.int64)
 
@@ -72,11 +73,15 @@ class Reanalysis:
         amplitudes = np.linalg.solve(self._small, self._alone(self._laid.coupling, response))
         return alone - self._alone(left, self._laid) @ amplitudes
 
-    def add(self, response: Response, under: Ints) -> None:
-        """Lay bridges for good. They stand on some corner nodes, whose stress is none of the part's now."""
-        own = self._alone(response.coupling, response)
+    def add(self, response: Response, own: Floats, under: Ints) -> None:
+        """Lay bridges for good.
+
+        `own` (k, e, 5, d) are the tensors in each per unit of its mode forces. They stand on the corner nodes
+        `under`, whose stress is none of the part's now.
+        """
+        alone = self._alone(response.coupling, response)
         cross = self._alone(self._laid.coupling, response)
-        self._small = np.block([[self._small, cross], [cross.T, np.eye(len(own)) + own]])
+        self._small = np.block([[self._small, cross], [cross.T, np.eye(len(alone)) + alone]])
         self._laid = Response(
             sp.csc_matrix(sp.hstack([self._laid.coupling, response.coupling])),
             sp.csc_matrix(sp.hstack([self._laid.felt, response.felt])),
@@ -84,15 +89,37 @@ class Reanalysis:
         )
         self.displacement = self._corrected(self._base)
         self._under = np.union1d(self._under, under)
+        self._own = np.concatenate([self._own, own]) if len(self._own) else own
         self._hot = None
 
     def drop(self, modes: int) -> None:
         """Take the last modes away again."""
+        if not modes:
+            return
         left = np.arange(self.modes - modes)
         self._small = self._small[np.ix_(left, left)]
         self._laid = self._laid.take(left)
+        self._own = self._own[: len(left) // self._own.shape[3]]
         self.displacement = self._corrected(self._base)
         self._hot = None
+
+    def in_bars(self) -> Floats:
+        """Tensors (k, e, 5) in the bridges laid."""
+        forces = np.linalg.solve(self._small, self._laid.coupling.T @ self._base)
+        return np.einsum("keam,km->kea", self._own, forces.reshape(len(self._own), -1))
+
+    def relief_in_bars(self, response: Response) -> Floats:
+        """What a unit of each of some forces takes off the tensors in the bridges laid, (k·e·5, columns)."""
+        taken = np.linalg.solve(self._small, self._alone(self._laid.coupling, response))
+        by_bar = taken.reshape(len(self._own), -1, taken.shape[1])
+        return np.einsum("keam,kmc->keac", self._own, by_bar).reshape(-1, taken.shape[1])
+
+    def pull_of_bars(self, weights: Floats) -> Floats:
+        """The displacement (n,) whose work with any forces is what these take off the tensors in the bridges
+        laid, summed with these weights (k, e, 5)."""
+        forces = np.einsum("keam,kea->km", self._own, weights).ravel()
+        forces = np.linalg.solve(self._small, forces)
+        return self._factor.from_seams(self._laid.motion @ forces, self._laid.coupling @ forces)
 
     def subset(self, operator: sp.csr_matrix) -> Callable[[NDArray[np.bool_]], Floats]:
         """What an operator sees of the displacement if only some of the laid modes were there, by flags."""
@@ -100,8 +127,9 @@ class Reanalysis:
         strain = self._laid.coupling.T @ self._base
 
         def seen(kept: NDArray[np.bool_]) -> Floats:
-            small = self._small[np.ix_(kept, kept)]
-            return base - relief[:, kept] @ np.linalg.solve(small, strain[kept])
+            forces = np.zeros(len(kept))
+            forces[kept] = np.linalg.solve(self._small[np.ix_(kept, kept)], strain[kept])
+            return base - relief @ forces
 
         return seen
 
@@ -134,8 +162,9 @@ class Reanalysis:
 
     @property
     def largest(self) -> float:
-        """The largest of the named measure, in MPa."""
-        return float(self.hot_places[1][0])
+        """The largest of the named measure, in MPa, also in the bridges laid."""
+        hottest = float(self.hot_places[1].max(initial=0.0))
+        return max(hottest, float(von_mises(self.in_bars()).max())) if self.modes else hottest
 
 
 def stress_operator(model: Model, discs: Discs, places: Ints) -> sp.csr_matrix:

@@ -23,13 +23,14 @@ from perfqr_cad.structure.analysis import (
     lattice_of,
     prepare,
 )
+from perfqr_cad.structure.candidates import Allowance
 from perfqr_cad.structure.domain import ThinPart, thin_parts
 from perfqr_cad.structure.field import StressField
 from perfqr_cad.structure.loads import Load, Loads, Support
 from perfqr_cad.structure.materials import MATERIALS, Material
 from perfqr_cad.structure.materials import material as material_named
 from perfqr_cad.structure.model import forces_of
-from perfqr_cad.structure.optimal import OptimalChoice
+from perfqr_cad.structure.optimal import ROUND_GAIN, OptimalChoice, worth
 from perfqr_cad.structure.paper import PaperChoice
 from perfqr_cad.structure.reanalysis import Reanalysis
 from perfqr_cad.structure.reinforcement import STRONG, Reinforcement
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 Method = Literal["optimal", "paper"]
 WEAK = "weak: no affordable bridge is left"
 LOOP_MESH_MODULES = 1.0  # element edges of the model that bridges are tried on
-MOST_CONFIRMATIONS = 5
+MOST_FRUITLESS = 2  # conforming meshes in a row that are no better than one before
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,8 @@ def reinforce(
         raise AnalysisError(f"yield stress is {limit} MPa; it must be a positive number")
     size = mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm
     job = _Job(placement, stuff, load, support, limit, nozzle_mm, size, solver)
-    chooser = OptimalChoice() if method == "optimal" else PaperChoice(loss_weight)
+    allowance = Allowance.of(pattern)
+    chooser = OptimalChoice(allowance) if method == "optimal" else PaperChoice(allowance, loss_weight)
     return _run(pattern, job, chooser, method)
 
 
@@ -130,25 +132,27 @@ Chooser = OptimalChoice | PaperChoice
 def _run(pattern: Pattern, job: _Job, chooser: Chooser, method: Method) -> Reinforcement:
     before = job.check(pattern)
     best = _Stage(pattern, before, ())
-    stage = best
+    stages = [best]
     history = [before.max_stress_mpa]
-    confirmations = 0
-    while not best.field.strong and confirmations < MOST_CONFIRMATIONS:
-        analysis = job.reanalysis(stage.pattern)
+    fruitless = 0
+    while not best.field.strong and fruitless < MOST_FRUITLESS:
+        start = best if method == "optimal" else stages[-1]
+        analysis = job.reanalysis(start.pattern)
         # The coarse model understates the peak: what it may show is the limit, understated as much.
-        scale = analysis.largest / stage.field.max_stress_mpa
-        bridged, new, stresses = chooser.lay(stage.pattern, analysis, scale * job.yield_mpa)
+        scale = analysis.largest / start.field.max_stress_mpa
+        bridged, new, stresses = chooser.lay(start.pattern, analysis, scale * job.yield_mpa)
         if not new:
             break
-        confirmations += 1
-        stage = _Stage(bridged, job.check(bridged), (*stage.bridges, *new))
-        history += [*(stress / scale for stress in stresses), stage.field.max_stress_mpa]
-        gain = 1.0 - stage.field.max_stress_mpa / best.field.max_stress_mpa
-        if gain > 0.0:
-            best = stage
-        elif method == "optimal":
-            chooser.avoid(new, stage.field.max_stress_at_mm, pattern.module_mm)
-            stage = best
+        stages.append(_Stage(bridged, job.check(bridged), (*start.bridges, *new)))
+        field = stages[-1].field
+        history += [*(stress / scale for stress in stresses), field.max_stress_mpa]
+        if field.max_stress_mpa < (1.0 - ROUND_GAIN) * best.field.max_stress_mpa:
+            best, fruitless = stages[-1], 0
+        else:
+            chooser.avoid(new, field.max_stress_at_mm, pattern.module_mm)
+            fruitless += 1
+    if not best.field.strong:  # the first that comes close has the fewest bridges
+        best = stages[worth([stage.field.max_stress_mpa for stage in stages], 0.0)]
     strong = best.field.strong
     return Reinforcement(
         pattern=best.pattern,
@@ -156,7 +160,7 @@ def _run(pattern: Pattern, job: _Job, chooser: Chooser, method: Method) -> Reinf
         after=best.field,
         bridges=best.bridges,
         iterations=len(best.bridges),
-        confirmations=confirmations,
+        confirmations=len(stages) - 1,
         status=STRONG if strong else WEAK,
         history=tuple(history),
         method=method,

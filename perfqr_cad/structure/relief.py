@@ -1,7 +1,7 @@
 """Bars of a short list against each other: what any of them, laid with some others, does to the stress.
 
-All of it follows from small matrices. Laying a bar is one step of elimination (Woodbury's identity taken bar by
-bar), after which what is left says what each of the others would still do.
+All of it follows from small matrices. Laying a bar is one step of elimination (Woodbury's identity taken bar
+by bar), after which what is left says what each of the others would still do.
 """
 
 from __future__ import annotations
@@ -22,10 +22,11 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Shortlist:
-    """k bars of d modes: `now` (r, 5) tensors at hot places, `relief` (r·5, k, d) what a unit force of each mode
-    takes off them, `flexibility` (k, d, k, d) and `strain` (k, d) of the part under the modes, `own`
-    (k, e, 5, d) tensors in the bar itself, `under` (r, k) which places a bar covers, `clash` (k, k) which bars
-    stand in each other's way.
+    """Bars k of d modes each.
+
+    `now` (r, 5) tensors at hot places, `relief` (r·5, k, d) what a unit force of each mode takes off them,
+    `flexibility` (k, d, k, d) and `strain` (k, d) of the part under the modes, `own` (k, e, 5, d) tensors in the
+    bar itself, `under` (r, k) which places a bar covers, `clash` (k, k) which bars stand in each other's way.
     """
 
     now: Floats
@@ -106,4 +107,13 @@ def greedy(bars: Shortlist, price: Floats, aim_mpa: float, least_gain: float, mo
 def power_mean(stress: Floats) -> Floats:
     """A smooth stand-in for the largest stress along the last axis: the NORM-th root of the sum of powers."""
     top = np.maximum(stress.max(axis=-1), np.finfo(float).tiny)
-    return top * ((stress / top[..., None]) ** NORM).sum(axis=-1) ** (1.0 / NORM)
+    shares: Floats = ((stress / top[..., None]) ** NORM).sum(axis=-1)
+    return top * shares ** (1.0 / NORM)
+
+
+def power_mean_slope(tensors: Floats) -> Floats:
+    """Derivative of the power mean of von Mises' stress by the tensors (r, 5), to scale only."""
+    stress = von_mises(tensors)
+    weight = (stress / stress.max()) ** (NORM - 1) / np.maximum(stress, np.finfo(float).tiny)
+    xx, yy, xy, xz, yz = tensors.T
+    return weight[:, None] * np.stack([xx - 0.5 * yy, yy - 0.5 * xx, 3.0 * xy, 3.0 * xz, 3.0 * yz], axis=1)

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -9,15 +10,18 @@ from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.structure import MATERIALS, Pressure, Reinforcement, Support, plate, reinforce, shell
 from perfqr_cad.structure.analysis import lattice_of, prepare
 from perfqr_cad.structure.assembly import System
-from perfqr_cad.structure.bars import couplings
-from perfqr_cad.structure.candidates import Candidates, coverage, lattice_candidates
+from perfqr_cad.structure.bars import bar_tensors, couplings
+from perfqr_cad.structure.candidates import Allowance, Budget, Candidates, affordable
+from perfqr_cad.structure.lattice_bars import lattice_candidates
 from perfqr_cad.structure.measure import von_mises
+from perfqr_cad.structure.model import Model
 from perfqr_cad.structure.reanalysis import Reanalysis, stress_operator
+from perfqr_cad.structure.relief import TENSOR, Shortlist, greedy
 from perfqr_cad.structure.solvers import factorise
+from perfqr_cad.structure.t6 import Floats
 from perfqr_cad.structure.tiling import Lattice
 from perfqr_cad.surface import Cylinder, Placement, Plane
 from perfqr_cad.symbol import encode, layout
-from perfqr_cad.symbol.layout import Role
 
 LOAD = Pressure(1e-3)
 COARSE = {"nozzle_mm": 1.2, "mesh_size_mm": 3.0}  # the loop is tested here, not the stress
@@ -30,7 +34,7 @@ def pattern() -> Pattern:
 
 @cache
 def bars() -> Candidates:
-    return lattice_candidates(pattern(), (pattern().spec.web_mm,))
+    return lattice_candidates(pattern(), Allowance.of(pattern()), (pattern().spec.web_mm,))
 
 
 def begin(
@@ -66,26 +70,56 @@ def test_candidates_cross_one_hole_from_light_to_light() -> None:
         assert max(region.distance(Point(*p)) for p in (start, end)) < 0.05
 
 
-def test_candidates_leave_finders_alone() -> None:
-    roles = layout(1, "M").roles
-    rings = (roles == Role.FINDER) & pattern().symbol.matrix.dark
-    modules, _, touched = coverage(pattern(), bars().start, bars().end, bars().width_mm)
-    assert not (rings[modules[..., 0], modules[..., 1]] & touched).any()
+def asked(start: list[tuple[float, float]], end: list[tuple[float, float]], width: float) -> Candidates:
+    widths = np.full(len(start), width)
+    return affordable(pattern(), Allowance.of(pattern()), np.array(start), np.array(end), widths)
 
 
-def test_coverage_of_a_bar_along_a_module_edge_and_through_a_centre() -> None:
+def test_no_bar_enters_a_finder_ring() -> None:
     m = pattern().module_mm
-    start = np.array([[-m, 0.5 * m], [-m, 0.0]])
-    end = np.array([[m, 0.5 * m], [m, 0.0]])
-    _, share, touched = coverage(pattern(), start, end, np.full(2, m / 3))
-    assert share[0].max() == 0.0  # 21 modules: y = 0 runs through centres, y = m/2 along edges
-    assert touched[0].any()
-    assert share[1].max() == 1.0
+    ring, below = (-8.5 * m, 10.0 * m), (-8.5 * m, 1.0 * m)  # the finder's dark ring, and data modules
+    found = asked([(x - m, y) for x, y in (ring, below)], [(x + m, y) for x, y in (ring, below)], 0.1 * m)
+    assert len(found) == 1
+    assert found.start[0, 1] == below[1]
 
 
-@pytest.mark.parametrize("placement", [Plane(2.0), Cylinder(60.0, 2.0)])
-@pytest.mark.parametrize("solver", ["SuperLU", None])
-@pytest.mark.parametrize("tiled", [True, False])
+def test_bars_along_a_module_edge_turn_nothing_and_through_a_centre_all() -> None:
+    m = pattern().module_mm
+    dark = pattern().observed.dark
+    row, column = next((r, c) for r, c in np.argwhere(dark[9:12, 9:12]) + 9)
+    x, y = (column + 0.5 - 10.5) * m, (10.5 - row - 0.5) * m
+    start, end = [(x - m / 2, y + m / 2), (x - m / 2, y)], [(x + m / 2, y + m / 2), (x + m / 2, y)]
+    found = asked(start, end, m / 3)
+    assert (row, column) not in found.turned[0]
+    assert found.covered[0] == 0.0
+    assert (row, column) in found.turned[1]
+    assert found.loss[1] > 0.0
+
+
+def test_a_budget_keeps_half_of_the_correction() -> None:
+    allowance = Allowance.of(pattern())
+    today = pattern().readability
+    assert allowance.errors == tuple(
+        errors + (capacity - errors) // 2
+        for errors, capacity in zip(today.errors, today.capacity, strict=True)
+    )
+    budget = Budget(pattern(), allowance)
+    codewords = layout(1, "M").codeword_of
+    first = [tuple(np.argwhere(codewords == k)[0].tolist()) for k in range(1 + max(allowance.errors))]
+    assert all(budget.spend([module]) for module in first[:-1])
+    assert budget.rise([first[-1]]) == np.inf
+    assert not budget.spend([first[-1]])
+
+
+@pytest.mark.parametrize(
+    ("placement", "solver", "tiled"),
+    [
+        (Plane(2.0), None, True),
+        (Plane(2.0), None, False),
+        (Plane(2.0), "SuperLU", True),
+        (Cylinder(60.0, 2.0), None, True),
+    ],
+)
 def test_low_rank_update_is_the_direct_solution(
     placement: Placement, solver: str | None, tiled: bool
 ) -> None:
@@ -101,9 +135,57 @@ def test_low_rank_update_is_the_direct_solution(
     direct = factorise((lower + sp.tril(coupling @ coupling.T, format="csc")).tocsc(), solver)
     forces = np.where(model.fixed, 0.0, model.pressure_forces(1e-3))
     for part in (coupling[:, : coupling.shape[1] // 3], coupling[:, coupling.shape[1] // 3 :]):
-        analysis.add(analysis.respond(part), np.zeros(0, np.int64))
+        analysis.add(analysis.respond(part), own(model, some, part), np.zeros(0, np.int64))
     exact = direct.solve(forces)
     assert analysis.displacement == pytest.approx(exact, abs=1e-8 * np.abs(exact).max())
+
+
+def own(model: Model, bars: Candidates, part: sp.csc_matrix) -> Floats:
+    modes = 3 if model.flat else 6
+    return bar_tensors(model.section, model.wall_mm, bars.take(np.arange(part.shape[1] // modes)), modes)
+
+
+def test_a_list_of_bars_foretells_what_laying_them_does() -> None:
+    analysis = begin(lattice=lattice_of(pattern()))
+    model = analysis.model
+    some = bars().take(np.arange(0, len(bars()), len(bars()) // 4)[:4])
+    coupling = couplings(model, some)
+    hot = analysis.hot_places[0][:30]
+    operator = stress_operator(model, analysis.discs, hot)
+    response = analysis.respond(coupling)
+    tensors = bar_tensors(model.section, model.wall_mm, some, 3)
+    listed = Shortlist(
+        now=(operator @ analysis.displacement).reshape(-1, TENSOR),
+        relief=analysis.between(sp.csc_matrix(operator.T), response).reshape(-1, 4, 3),
+        flexibility=analysis.between(coupling, response).reshape(4, 3, 4, 3),
+        strain=(coupling.T @ analysis.displacement).reshape(4, 3),
+        own=tensors,
+        under=np.zeros((operator.shape[0] // TENSOR, 4), bool),
+        clash=np.eye(4, dtype=bool),
+    )
+    foretold = listed.lay(2).with_each()[0]
+    for k in (2, 0):
+        analysis.add(response.take(3 * k + np.arange(3)), tensors[[k]], np.zeros(0, np.int64))
+    places = von_mises((operator @ analysis.displacement).reshape(-1, TENSOR))
+    in_bars = von_mises(analysis.in_bars())
+    assert foretold == pytest.approx(np.concatenate([places, *in_bars]), rel=1e-6)
+
+
+def test_the_greedy_choice_weighs_relief_against_price_and_leaves_out_what_clashes() -> None:
+    bars = Shortlist(
+        now=np.array([[10.0, 0, 0, 0, 0]]),
+        relief=np.array([[1.0, 0.5], [0, 0], [0, 0], [0, 0], [0, 0]])[:, :, None],
+        flexibility=np.eye(2).reshape(2, 1, 2, 1),
+        strain=np.full((2, 1), 4.0),  # a force of 2 in each: they take off 2 and 1 MPa
+        own=np.zeros((2, 1, TENSOR, 1)),
+        under=np.zeros((1, 2), bool),
+        clash=np.eye(2, dtype=bool),
+    )
+    assert greedy(bars, np.ones(2), 0.0, 1e-3, 9) == [0, 1]
+    assert greedy(bars, np.array([3.0, 1.0]), 0.0, 1e-3, 9) == [1, 0]
+    assert greedy(bars, np.ones(2), 8.5, 1e-3, 9) == [0]
+    assert greedy(bars, np.ones(2), 0.0, 0.3, 9) == []
+    assert greedy(replace(bars, clash=np.ones((2, 2), bool)), np.ones(2), 0.0, 1e-3, 9) == [0]
 
 
 def test_response_of_bars_is_the_same_on_seams_as_everywhere() -> None:
@@ -132,8 +214,6 @@ def test_a_bar_resists_no_rigid_motion(placement: Placement) -> None:
 
 
 def couplings_without_supports(model: object) -> sp.csc_matrix:
-    from dataclasses import replace
-
     system = replace(model.system, fixed=np.zeros_like(model.system.fixed))  # type: ignore[attr-defined]
     return couplings(replace(model, system=system), bars())  # type: ignore[type-var]
 
