@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from .caption import Caption
     from .imported.meshing import mesh_step
     from .plan import Plan
-    from .step import read_step, write_step
+    from .step import write_step
+    from .step_reader import read_step
 
 _HOMES = {
     "Backing": "backing",
@@ -28,7 +29,7 @@ _HOMES = {
     "build_plan": "assemble",
     "build_region": "assemble",
     "mesh_step": "imported.meshing",
-    "read_step": "step",
+    "read_step": "step_reader",
     "write_step": "step",
 }
 

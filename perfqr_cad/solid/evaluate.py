@@ -63,7 +63,7 @@ def evaluator(surface: Geom_Surface) -> Evaluator:
         case Geom_RectangularTrimmedSurface():
             return evaluator(surface.BasisSurface())
         case Geom_Plane():
-            origin, x, y, _ = _frame(surface)
+            origin, x, y, _ = frame_of(surface)
             return _Plane(origin, x, y)
         case Geom_CylindricalSurface():
             return _turned(surface, lambda v: _profile(v, (surface.Radius(), 0.0), (v, 1.0)))
@@ -264,10 +264,10 @@ def _modelled_curve(curve: Geom_Curve, t: Array) -> Array:
 
 
 def _turned(surface: Any, profile: Profile) -> _Turned:
-    return _Turned(*_frame(surface), profile)
+    return _Turned(*frame_of(surface), profile)
 
 
-def _frame(surface: Any) -> tuple[Array, Array, Array, Array]:
+def frame_of(surface: Any) -> tuple[Array, Array, Array, Array]:
     """Origin, x, y and axis of an elementary surface; left-handed ones as they are."""
     frame = surface.Position()
     x, y, z = (np.array(d.Coord()) for d in (frame.XDirection(), frame.YDirection(), frame.Direction()))

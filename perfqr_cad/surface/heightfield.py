@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -63,6 +64,10 @@ class HeightField(Placement):
         along_u = np.column_stack([np.ones(len(at)), np.zeros(len(at)), zu - steeper * (zu * zuu + zv * zuv)])
         along_v = np.column_stack([np.zeros(len(at)), np.ones(len(at)), zv - steeper * (zu * zuv + zv * zvv)])
         return along_u, along_v
+
+    def bend_radius_mm(self, at: Array) -> float:
+        """Infinite: the back is a height field as well, and cannot fold."""
+        return math.inf
 
     def reach_mm(self) -> float:
         return self.half_mm

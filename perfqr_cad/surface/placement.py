@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 STEP_MM = 1e-4
 # The distortion is sampled on this many points a side, edges and corners of the code included.
 SAMPLES = 33
+UNBENT = 1e-6  # share of its length that a tangent loses through the wall: rounding of the differences
 
 
 @dataclass(frozen=True)
@@ -149,6 +150,26 @@ class Placement(ABC):
         down = (self.at_depth(at, depth + STEP_MM) - self.at_depth(at, depth - STEP_MM)) / (2 * STEP_MM)
         return -np.einsum("ki,ki->k", np.cross(*self.tangents(at, depth)), down)
 
+    def bend_radius_mm(self, at: Array) -> float:
+        """Least radius to which the front is bent towards its back at (k, 2) pattern points; may be infinite.
+
+        The tangents shrink behind the front by 1 − depth / radius along the directions of curvature.
+        """
+        front, back = (np.stack(self.tangents(at, d), axis=1) for d in (0.0, self.thickness_mm))
+        shrunk = np.linalg.solve(front @ front.swapaxes(1, 2), front @ back.swapaxes(1, 2))
+        middle = (shrunk[:, 0, 0] + shrunk[:, 1, 1]) / 2
+        spread = np.sqrt(np.maximum(middle**2 - np.linalg.det(shrunk), 0.0))
+        lost = 1.0 - float((middle - spread).min())
+        return self.thickness_mm / lost if lost > UNBENT else math.inf
+
+    def require_unfolded(self, at: Array) -> None:
+        """Raises `DesignError` where the wall is as thick as the radius it is bent to: its back folds."""
+        if self.thickness_mm >= (radius := self.bend_radius_mm(at)):
+            raise DesignError(
+                f"a wall of {self.thickness_mm:g} mm folds over itself where the surface is bent to a radius "
+                f"of {radius:.3g} mm: take a thickness below that, or a smoother surface"
+            )
+
     def distortion(self, size_mm: float) -> Distortion:
         """What happens to the modules of a code of this edge. Raises `DesignError` when it does not fit at
         all."""
@@ -158,8 +179,7 @@ class Placement(ABC):
                 f"a code of {size_mm:.4g} mm does not fit this surface: "
                 f"at most {2 * self.reach_mm():.4g} mm does"
             )
-        line = np.linspace(-half, half, SAMPLES)
-        grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+        grid = square(half)
         along_u, along_v = self.tangents(grid)
         lengths = np.linalg.norm(along_u, axis=1) * np.linalg.norm(along_v, axis=1)
         area = np.abs(np.linalg.norm(np.cross(along_u, along_v), axis=1) - 1)
@@ -187,9 +207,12 @@ class Placement(ABC):
         return low
 
     def check(self, size_mm: float, limit: DistortionLimit | None = None) -> Distortion:
-        """The distortion of a code of this edge. Raises `DesignError`, naming the largest size that works."""
+        """The distortion of a code of this edge. Raises `DesignError`, naming the largest size that works,
+        or where the wall folds.
+        """
         limit = limit or DistortionLimit()
         found = self.distortion(size_mm)
+        self.require_unfolded(square(size_mm / 2))
         if not found.within(limit):
             raise DesignError(
                 f"a code of {size_mm:.4g} mm is bent too much by this surface: module area off by "
@@ -206,6 +229,12 @@ class Placement(ABC):
             (self.at_depth(at + s, depth_mm) - self.at_depth(at - s, depth_mm)) / (2 * STEP_MM) for s in steps
         ]
         return along[0], along[1]
+
+
+def square(half_mm: float) -> Array:
+    """Points (k, 2) of a grid over a square about the centre."""
+    line = np.linspace(-half_mm, half_mm, SAMPLES)
+    return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
 
 
 def pairs(uv: ArrayLike) -> Array:

@@ -22,6 +22,8 @@ from perfqr_cad.errors import DesignError
 from .placement import Array, Placement, pairs, positive, thinner
 from .spline import Spline, interpolated
 
+FINE = 257  # points along a profile where its wall is looked at
+
 
 class Revolved(Placement):
     """A meridian turned about the y axis."""
@@ -140,8 +142,10 @@ class Revolution(Revolved):
             raise DesignError(
                 f"height {self.height_mm:g} mm is off the profile: choose one in {low:g} to {high:g} mm"
             )
-        if (least := float(self._along(np.linspace(*self.span, 257))[:, 0].min())) <= self.thickness_mm:
+        if (least := float(self._along(np.linspace(*self.span, FINE))[:, 0].min())) <= self.thickness_mm:
             thinner("surface of revolution", self.thickness_mm, max(least, 0.0))
+        along = np.linspace(*self.span, FINE)
+        self.require_unfolded(np.column_stack([np.zeros(FINE), along]))
 
     @cached_property
     def centre_radius_mm(self) -> float:  # type: ignore[override]  # a property, kept

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +19,7 @@ from perfqr_cad.solid.imported.survey import (
     survey,
     surveys,
 )
+from perfqr_cad.solid.imported.wish import Wish, triple
 
 if TYPE_CHECKING:
     from perfqr_cad.solid.imported.host import Host
@@ -32,18 +32,6 @@ FACES_SIZED = 4  # of them asked for the largest code when none takes the one th
 TURNS_DEG = (0.0, 45.0, 30.0, 60.0, 15.0, 75.0)
 ON_FACE_MM = 1e-3  # a given point this near to the surface is on it
 SEED = 0
-
-
-@dataclass(frozen=True)
-class Wish:
-    """What the user said about the place: face number (from 1), or a point and a viewing direction, and
-    up.
-    """
-
-    face: int | None = None
-    point: tuple[float, float, float] | None = None
-    direction: tuple[float, float, float] | None = None
-    up: tuple[float, float, float] | None = None
 
 
 def place(host: Host, wish: Wish, size_mm: float, problem: Problem) -> Survey:
@@ -150,12 +138,10 @@ def _judged(host: Host, frame: Frame, size_mm: float, problem: Problem, wish: Wi
         away = float(np.linalg.norm(nearest.origin - frame.origin))
         remedy = (
             f"{_size(largest)}; the nearest place that works is {away:.3g} mm away: "
-            f"point={_triple(nearest.origin)} "
-            f"direction={_triple(-nearest.axes[2])}"
+            f"point={triple(nearest.origin)} "
+            f"direction={triple(-nearest.axes[2])}"
         )
-    raise DesignError(
-        f"a code of {size_mm:.4g} mm does not work at {_triple(frame.origin)}: {reason}{remedy}"
-    )
+    raise DesignError(f"a code of {size_mm:.4g} mm does not work at {triple(frame.origin)}: {reason}{remedy}")
 
 
 def _largest_mm(host: Host, frame: Frame, problem: Problem, size_mm: float) -> float:
@@ -187,33 +173,30 @@ def _at_point(host: Host, wish: Wish) -> Frame:
 
     A point on the surface itself is taken as it is; without a direction the nearest surface is meant.
     """
-    point = np.asarray(wish.point, float)
-    if wish.direction is None:
-        index, on = host.nearest(point)
-        return _required(host.frame_near(index, on, wish.up), point)
-    look = np.asarray(wish.direction, float)
-    if not np.linalg.norm(look) > 0:
-        raise DesignError(f"direction={_triple(look)} has no length: give the direction the reader looks in")
-    look = look / np.linalg.norm(look)
+    point, look = np.asarray(wish.point, float), wish.look()
     index, on = host.nearest(point)
-    if np.linalg.norm(on - point) < ON_FACE_MM:
-        return _required(host.frame_near(index, on, wish.up), point)
+    if look is None or np.linalg.norm(on - point) < ON_FACE_MM:
+        return _required(host, index, on, wish)
     found = host.body.crossings(point[None], look[None])
     entering = np.flatnonzero(found.entering)
     if not len(entering):
         raise DesignError(
-            f"looking from {_triple(point)} along {_triple(look)} meets no outer face of {host.name!r}: "
-            "start outside the part and look at it"
+            f"looking from {triple(point)} along {triple(look)} meets no outer face of {host.name!r} (the "
+            f"nearest is face {index + 1} at {triple(on)}): move the point, or give one on the surface"
         )
     first = entering[0]
     hit = point + found.distance_mm[first] * look
-    return _required(host.frame_near(int(host.body.face_of[found.triangle[first]]), hit, wish.up), hit)
+    return _required(host, int(host.body.face_of[found.triangle[first]]), hit, wish)
 
 
-def _required(frame: Frame | None, at: Array) -> Frame:
-    if frame is None:
-        raise DesignError(f"the surface has no normal at {_triple(at)}: move the point a little")
-    return frame
+def _required(host: Host, face: int, at: Array, wish: Wish) -> Frame:
+    """The frame on a face next to a point. Raises `DesignError` where the surface or `up` gives none."""
+    frame = host.frame_near(face, at, wish.up)
+    if frame is not None:
+        return frame
+    if wish.up is not None and host.frame_near(face, at, None) is not None:
+        raise DesignError(f"up={triple(wish.up)} points along the normal of face {face + 1}: choose another")
+    raise DesignError(f"the surface has no normal at {triple(at)}: move the point a little")
 
 
 def _number(host: Host, face: int) -> int:
@@ -229,7 +212,3 @@ def _size(largest_mm: float) -> str:
 def _floored(size_mm: float) -> str:
     """A size that surely works, in few digits."""
     return f"{np.floor(size_mm * 100) / 100:.4g}"
-
-
-def _triple(v: ArrayLike) -> str:
-    return "(" + ",".join(f"{x:.4g}" for x in np.asarray(v, float)) + ")"

@@ -12,7 +12,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from OCP.Geom import Geom_OffsetSurface, Geom_RectangularTrimmedSurface
+from OCP.BRepOffset import BRepOffset, BRepOffset_Status
+from OCP.Geom import Geom_ElementarySurface, Geom_OffsetSurface, Geom_RectangularTrimmedSurface
 from OCP.gp import gp_Trsf, gp_Vec
 
 from perfqr_cad.pattern.outline import Segment
@@ -143,14 +144,19 @@ class FaceChart:
         return self.back is not None and depth_mm >= self.thickness_mm
 
     def _sunk(self, depth_mm: float) -> Geom_Surface:
-        """The front moved inwards: along the axis of a projection, along its own normals under a wrap."""
+        """The front moved inwards: along the axis of a projection, along its own normals under a wrap; its
+        parameters stay. Cylinders, cones, spheres and tori become such of another radius.
+        """
         if isinstance(self.laid, Projected):
             x, y, z = (-depth_mm * self.laid.frame_at_centre.axes[2]).tolist()
             shift = gp_Trsf()
             shift.SetTranslation(gp_Vec(x, y, z))
             return cast("Geom_Surface", self.front.surface.Transformed(shift))
+        offset = -depth_mm * self.front.outward_sign
+        if isinstance(self.front.surface, Geom_ElementarySurface):
+            return BRepOffset.Surface_s(self.front.surface, offset, BRepOffset_Status.BRepOffset_Good)
         finite = Geom_RectangularTrimmedSurface(self.front.surface, *self.front.bounds)  # writers ask for it
-        return Geom_OffsetSurface(finite, -depth_mm * self.front.outward_sign)
+        return Geom_OffsetSurface(finite, offset)
 
     def _meet(self, uv: Array, depth_mm: float) -> tuple[Array, Array]:
         """Parameters and points of a level at pattern points; asked for twice, hence kept."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import KernelError
 
 if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Face, TopoDS_Shape, TopoDS_Shell, TopoDS_Solid
+    from OCP.TopoDS import TopoDS_Face, TopoDS_Shape, TopoDS_Solid
     from OCP.TopTools import TopTools_IndexedMapOfShape
 
 Kind = Literal["SOLID", "SHELL", "FACE", "WIRE", "EDGE", "VERTEX"]
@@ -60,22 +60,27 @@ def solids(shape: TopoDS_Shape) -> list[TopoDS_Solid]:
     return [TopoDS.Solid_s(s) for s in explore(shape, "SOLID")]
 
 
-def volume(shape: TopoDS_Shape) -> float:
-    """Volume in mm³, signed by orientation."""
+def volume(shape: TopoDS_Shape, precision: float | None = None) -> float:
+    """Volume in mm³, signed by orientation. Without a wanted relative `precision` the kernel takes a fixed
+    number of points on each face, which on splines with many holes is off by percents.
+    """
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
 
     properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties)
+    if precision is None:
+        BRepGProp.VolumeProperties_s(shape, properties)
+    else:
+        BRepGProp.VolumeProperties_s(shape, properties, precision)
     return float(properties.Mass())
 
 
-def volume_lost(before: TopoDS_Shape, after: TopoDS_Shape) -> float:
+def volume_lost(before: TopoDS_Shape, after: TopoDS_Shape, precision: float | None = None) -> float:
     """Volume in mm³ that `after` lacks of `before`, by the faces in which they differ.
 
     Imported shells have small gaps; the kernel's volume of such a shell depends on a reference point that
-    moves
-    with its vertices, by much more than a hole. Over the changed faces alone the gaps cancel.
+    moves with its vertices, by much more than a hole. Over the changed faces alone the gaps cancel.
+    `precision` is a share of what they bound.
     """
     from OCP.BRep import BRep_Builder
     from OCP.TopoDS import TopoDS_Compound
@@ -90,7 +95,7 @@ def volume_lost(before: TopoDS_Shape, after: TopoDS_Shape) -> float:
     for face in new:
         if not kept_old.Contains(face):
             builder.Add(changed, face.Reversed())
-    return volume(changed)
+    return volume(changed, precision)
 
 
 def area(face: TopoDS_Shape) -> float:
@@ -172,17 +177,6 @@ def reconcile(shape: TopoDS_Shape, host: TopoDS_Shape, tolerance_mm: float) -> N
     BRepLib.SameParameter_s(shape, tolerance_mm, False)
 
 
-def solid_of_shell(shell: TopoDS_Shape) -> TopoDS_Solid | None:
-    """A solid bounded by a closed shell, None for an open one."""
-    from OCP.BRep import BRep_Tool
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeSolid
-    from OCP.TopoDS import TopoDS
-
-    if not BRep_Tool.IsClosed_s(shell):
-        return None
-    return BRepBuilderAPI_MakeSolid(TopoDS.Shell_s(shell)).Solid()
-
-
 def outward(solid: TopoDS_Solid) -> TopoDS_Solid:
     """The solid with its outside outside."""
     from OCP.BRepLib import BRepLib
@@ -232,19 +226,6 @@ def bounding_box(shape: TopoDS_Shape) -> tuple[tuple[float, float, float], tuple
     return (x0, y0, z0), (x1, y1, z1)
 
 
-def shell_of(faces_in: Sequence[TopoDS_Shape]) -> TopoDS_Shell:
-    """A closed shell of faces that share their edges."""
-    from OCP.BRep import BRep_Builder
-    from OCP.TopoDS import TopoDS_Shell
-
-    builder, shell = BRep_Builder(), TopoDS_Shell()
-    builder.MakeShell(shell)
-    for face in faces_in:
-        builder.Add(shell, face)
-    shell.Closed(True)
-    return shell
-
-
 def places_of(faces_in: Sequence[TopoDS_Face], shell: TopoDS_Shape) -> list[int]:
     """Which of the faces belong to a shell."""
     members = _members(shell)
@@ -260,18 +241,6 @@ def _members(shape: TopoDS_Shape) -> TopTools_IndexedMapOfShape:
     found = TopTools_IndexedMapOfShape()
     TopExp.MapShapes_s(shape, TopAbs_ShapeEnum.TopAbs_FACE, found)
     return found
-
-
-def solid_with_voids(faces_in: Sequence[TopoDS_Shape], voids: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
-    """A solid with one shell of the given faces and further shells as they are."""
-    from OCP.BRep import BRep_Builder
-    from OCP.TopoDS import TopoDS_Solid
-
-    builder, solid = BRep_Builder(), TopoDS_Solid()
-    builder.MakeSolid(solid)
-    for shell in (shell_of(faces_in), *voids):
-        builder.Add(solid, shell)
-    return solid
 
 
 def edge_points(face: TopoDS_Face, step_mm: float) -> Iterator[Array]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
     from perfqr_cad.solid.evaluate import Evaluator
+    from perfqr_cad.solid.imported.quadric import Quadric
 
 NEWTON_TOL_MM = 1e-10
 NEWTON_STEPS = 40
@@ -69,6 +70,12 @@ class Skin:
         return evaluator(self.surface)
 
     @cached_property
+    def _quadric(self) -> Quadric | None:
+        from perfqr_cad.solid.imported.quadric import quadric
+
+        return quadric(self.surface)
+
+    @cached_property
     def _seeds(self) -> tuple[cKDTree, Array]:
         from scipy.spatial import cKDTree
 
@@ -108,10 +115,14 @@ class Skin:
 
         Line k passes through origins[k] along frames[k, 2]; guesses (k, 3) are within `reach_mm` of the
         meeting places, so that the far side of a bent surface is not taken for the near one.
-        Newton's iteration on the two coordinates across the line, from the nearest of the face's seeds, and
-        where that fails from the nearest meeting place found. Raises `KernelError` where a line does not meet
-        the surface transversally.
+        Closed forms on planes, cylinders, cones and spheres; else Newton's iteration on the two coordinates
+        across the line, from the nearest of the face's seeds, and where that fails from the nearest meeting
+        place found. Raises `KernelError` where a line does not meet the surface transversally.
         """
+        if self._quadric is not None:
+            uv, points = self._quadric.meet(guesses, frames[:, 2])
+            met = np.linalg.norm(points - guesses, axis=1) < reach_mm
+            return self._all(met, uv, points, guesses)
         tree, seeds = self._seeds
         uv, points, met = self._newton(origins, frames, seeds[tree.query(guesses)[1]], guesses, reach_mm)
         if met.any() and not met.all():
@@ -122,6 +133,10 @@ class Skin:
             uv[lost], points[lost], met[lost] = self._newton(
                 origins[lost], frames[lost], uv[near], guesses[lost], reach_mm
             )
+        return self._all(met, uv, points, guesses)
+
+    def _all(self, met: NDArray[np.bool_], uv: Array, points: Array, guesses: Array) -> tuple[Array, Array]:
+        """What was met, once all is. Raises `KernelError` with the first place where the surface was lost."""
         if not met.all():
             where = ", ".join(f"{x:.3f}" for x in guesses[np.argmin(met)])
             raise KernelError(f"the wall's surface cannot be followed at ({where}): move the code")

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.solid.imported.choose import Wish, place
+from perfqr_cad.solid.imported.choose import place
 from perfqr_cad.solid.imported.lay import Laid, Projected
 from perfqr_cad.solid.imported.survey import MAX_WALL_MODULES, Survey, survey
+from perfqr_cad.solid.imported.wish import Wish
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern

@@ -64,8 +64,8 @@ def prism(body: Body, hole: Loop, laid: Projected, depth_mm: float | None) -> To
 
 
 def carved_mesh(body: Body, motif: Motif, laid: Laid, walls: Walls) -> Triangles:
-    """The body less all holes of a motif's front, its bars standing at the back; closed and in as many bodies
-    as before.
+    """The body less all holes of a motif's front, its bars standing at the back of through-holes; closed and
+    in as many bodies as before.
 
     Raises `KernelError` when manifold3d objects or something falls off, `NoRecess` where the wall is too thin
     for bars behind its face.
@@ -75,7 +75,7 @@ def carved_mesh(body: Body, motif: Motif, laid: Laid, walls: Walls) -> Triangles
     solid = manifold_of(body.triangles)
     wells = motif.sections(laid.thickness_mm, walls, barred=False).wells
     result = solid - manifold3d.Manifold.compose(_tools(body, _drilled(wells), laid))
-    if motif.bars:
+    if motif.bars and walls.depth_mm is None:
         result = manifold3d.Manifold.batch_boolean(
             [result, *_bars(body, solid, motif, laid, walls)], manifold3d.OpType.Add
         )

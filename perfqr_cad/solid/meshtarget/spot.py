@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +11,7 @@ from numpy.typing import ArrayLike
 from perfqr_cad.errors import DesignError
 from perfqr_cad.solid.imported.body import Array, Body
 from perfqr_cad.solid.imported.survey import COARSE, Frame, Survey, frame_at, largest_below, survey, surveys
+from perfqr_cad.solid.imported.wish import Wish, triple
 
 Problem = Callable[[Survey], str | None]
 
@@ -21,15 +21,6 @@ SEED = 0
 OUTER = np.array([0])  # face numbers of outer surfaces
 AVERAGED = 3  # rounds of turning the axis towards the mean normal under the code
 ON_SURFACE_SHARE = 1e-3  # of the diagonal: a given point this near to the surface is on it
-
-
-@dataclass(frozen=True)
-class Wish:
-    """What the user said about the place: where the reader is and looks, and up."""
-
-    point: tuple[float, float, float] | None = None
-    direction: tuple[float, float, float] | None = None
-    up: tuple[float, float, float] | None = None
 
 
 def place(body: Body, wish: Wish, size_mm: float, problem: Problem) -> Survey:
@@ -46,7 +37,7 @@ def place(body: Body, wish: Wish, size_mm: float, problem: Problem) -> Survey:
     if found is not None and reason is None:
         return found
     raise DesignError(
-        f"a code of {size_mm:.4g} mm does not work at {_triple(origin)}: {reason}"
+        f"a code of {size_mm:.4g} mm does not work at {triple(origin)}: {reason}"
         f"{_largest(body, origin, normal, size_mm, problem, wish.up)}"
         f"{_nearest(body, origin, size_mm, problem, wish.up)}"
     )
@@ -116,20 +107,15 @@ def _averaged(found: Survey, up: ArrayLike | None) -> Frame | None:
 
 def _met(body: Body, wish: Wish) -> tuple[Array, Array]:
     """The surface point that is meant, and its facet's normal."""
-    point = np.asarray(wish.point, float)
+    point, look = np.asarray(wish.point, float), wish.look()
     triangle, on = body.nearest(point)
-    near = np.linalg.norm(on - point) < ON_SURFACE_SHARE * body.diagonal_mm
-    if wish.direction is None or near:
+    if look is None or np.linalg.norm(on - point) < ON_SURFACE_SHARE * body.diagonal_mm:
         return on, body.facet_normals[triangle]
-    look = np.asarray(wish.direction, float)
-    if not np.linalg.norm(look) > 0:
-        raise DesignError(f"direction={_triple(look)} has no length: give the direction the reader looks in")
-    look = look / np.linalg.norm(look)
     met = body.crossings(point[None], look[None])
     entering = np.flatnonzero(met.entering)
     if not len(entering):
         raise DesignError(
-            f"looking from {_triple(point)} along {_triple(look)} meets no outer surface: start outside "
+            f"looking from {triple(point)} along {triple(look)} meets no outer surface: start outside "
             f"and look at it"
         )
     first = entering[0]
@@ -160,8 +146,8 @@ def _nearest(body: Body, origin: Array, size_mm: float, problem: Problem, up: Ar
             at = coarse.frame
             away = float(np.linalg.norm(at.origin - origin))
             return (
-                f"; the nearest place that works is {away:.3g} mm away: point={_triple(at.origin)} "
-                f"direction={_triple(-at.axes[2])}"
+                f"; the nearest place that works is {away:.3g} mm away: point={triple(at.origin)} "
+                f"direction={triple(-at.axes[2])}"
             )
     return "; no place on the mesh takes it: choose a smaller size"
 
@@ -169,7 +155,3 @@ def _nearest(body: Body, origin: Array, size_mm: float, problem: Problem, up: Ar
 def _floored(size_mm: float) -> str:
     """A size that surely works, in few digits."""
     return f"{np.floor(size_mm * 100) / 100:.4g}"
-
-
-def _triple(v: ArrayLike) -> str:
-    return "(" + ",".join(f"{x:.4g}" for x in np.asarray(v, float)) + ")"

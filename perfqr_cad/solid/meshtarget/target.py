@@ -14,7 +14,8 @@ from perfqr_cad.solid.imported.body import Body, body_of_mesh
 from perfqr_cad.solid.imported.lay import Projected
 from perfqr_cad.solid.imported.survey import Survey, survey
 from perfqr_cad.solid.imported.target import GRID, LEAST_MODULES, MARGIN
-from perfqr_cad.solid.meshtarget.spot import Wish, place
+from perfqr_cad.solid.imported.wish import Wish
+from perfqr_cad.solid.meshtarget.spot import place
 from perfqr_cad.surface import Triangles
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ class MeshTarget:
 
     def placement(self, size_mm: float) -> Placement:
         """Where a code of that edge lies. Raises `DesignError` with the reason and what works instead."""
-        found = place(self.body, Wish(self.point, self.direction, self.up), size_mm, self._problem)
+        found = place(self.body, Wish(None, self.point, self.direction, self.up), size_mm, self._problem)
         laid = _projected(self.body, found, found.sheet_mm(self.depth_mm))
         laid.check(size_mm)
         return laid

@@ -1,5 +1,6 @@
 """STEP files as users have them: units, assemblies, shells, damage."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from OCP.TopoDS import TopoDS_Compound
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.solid.imported import kernel
 from perfqr_cad.solid.imported.reader import read_part, read_parts
+from perfqr_cad.solid.kernel_shape import solid_of
 
 from .imports import SHARED, tray, write_step
 
@@ -45,7 +47,7 @@ def test_a_closed_shell_is_a_solid_and_an_open_one_is_refused(tmp_path: Path) ->
     box = BRepPrimAPI_MakeBox(1, 2, 3).Shape()
     closed = kernel.explore(box, "SHELL")[0]
     assert kernel.volume(read_part(write_step(closed, tmp_path / "c.step")).shape) == pytest.approx(6)
-    opened = kernel.shell_of(kernel.faces(box)[:5])
+    opened = kernel.explore(solid_of(kernel.faces(box)[:5]), "SHELL")[0]
     opened.Closed(False)
     with pytest.raises(KernelError, match="no solid, only 1 open shells and 5 faces"):
         read_part(write_step(opened, tmp_path / "o.step"))
@@ -57,12 +59,23 @@ def test_damaged_files(tmp_path: Path) -> None:
         ("short.step", whole[: len(whole) // 2], "cut short"),
         ("text.step", b"hello", "not a STEP file"),
         ("empty.step", b"", "not a STEP file"),
+        ("bare.step", whole[: whole.index(b"DATA;")] + b"DATA;\nENDSEC;\nEND-ISO-10303-21;\n", "damaged"),
     ):
         (tmp_path / name).write_bytes(data)
         with pytest.raises(KernelError, match=says):
             read_part(tmp_path / name)
-    with pytest.raises(KernelError, match="cannot read"):
+    with pytest.raises(KernelError, match="cannot be read"):
         read_part(tmp_path / "none.step")
+
+
+@pytest.mark.parametrize("written", ["B\\X2\\00F6\\X0\\den", "Böden", "Böden".encode().decode("latin-1")])
+def test_names_with_umlauts(tmp_path: Path, written: str) -> None:
+    path = write_step(BRepPrimAPI_MakeBox(1, 1, 1).Shape(), tmp_path / "Gehäuse.step")
+    product = f"PRODUCT('{written}','{written}'".encode().replace(b"\\", b"\\\\")
+    text, changed = re.subn(rb"PRODUCT\('[^']*',\s*'[^']*'", product, path.read_bytes())
+    assert changed == 1
+    path.write_bytes(text)
+    assert [part.name for part in read_parts(path)] == ["Böden"]
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="needs the shared parts")

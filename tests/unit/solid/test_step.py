@@ -97,7 +97,7 @@ def test_a_broken_file_is_refused_in_one_line(content: str, tmp_path: Path) -> N
 
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(KernelError, match="no such file"):
+    with pytest.raises(KernelError, match="No such file"):
         read_step(tmp_path / "none.step")
 
 

@@ -19,6 +19,7 @@ from perfqr_cad.surface import (
     Sphere,
     Triangles,
 )
+from perfqr_cad.surface.placement import square
 
 VASE = ((20.0, 0.0), (26.0, 20.0), (30.0, 40.0), (27.0, 60.0), (20.0, 80.0))
 PLACEMENTS: dict[str, Placement] = {
@@ -111,3 +112,18 @@ def test_triangles_know_whether_they_close() -> None:
     assert not Triangles(corners, np.vstack([faces[:3], faces[3:, ::-1]])).closed
     with pytest.raises(ValueError, match="read-only"):
         whole.vertices[0, 0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("wall", "radius"),
+    [(Cylinder(20.0, 2.0), 20.0), (Sphere(30.0, 2.0), 30.0), (Plane(2.0), math.inf)],
+)
+def test_the_bend_radius_of_known_walls(wall: Placement, radius: float) -> None:
+    assert wall.bend_radius_mm(square(8.0)) == pytest.approx(radius, rel=1e-6)
+
+
+def test_a_wall_thicker_than_its_bend_is_refused() -> None:
+    ridge = ((30.0, 0.0), (31.0, 5.0), (32.0, 8.0), (30.0, 10.0), (30.0, 12.0), (31.0, 20.0))
+    assert Revolution(ridge, 8.0, 0.2).check(2.0)
+    with pytest.raises(DesignError, match="folds over itself where the surface is bent to a radius of"):
+        Revolution(ridge, 8.0, 3.0)

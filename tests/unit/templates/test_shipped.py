@@ -10,6 +10,7 @@ from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
 from perfqr_cad import catalog
 from perfqr_cad.cli import main
 from perfqr_cad.solid.imported import kernel, mesh_shape
+from perfqr_cad.solid.kernel_shape import solid_of
 from perfqr_cad.surface import Triangles
 
 SMALL = {"text": "A", "level": "L", "quiet": 2, "nozzle": 0.3}
@@ -67,7 +68,7 @@ def empty_name(folder: Path) -> list[str]:
 
 
 def no_solid(folder: Path) -> list[str]:
-    sheet = kernel.shell_of(kernel.faces(Box(30, 30, 2).wrapped)[:5])
+    sheet = kernel.explore(solid_of(kernel.faces(Box(30, 30, 2).wrapped)[:5]), "SHELL")[0]
     writer = STEPControl_Writer()
     writer.Transfer(sheet, STEPControl_StepModelType.STEPControl_ShellBasedSurfaceModel)
     writer.Write(str(folder / "sheet.step"))
