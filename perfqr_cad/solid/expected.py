@@ -10,21 +10,19 @@ Gauss rules: exact on a plate up to rounding.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline, make_interp_spline
 
-from perfqr_cad.pattern.outline import Arc, Circle, Line, Segment
+from perfqr_cad.pattern.outline import Arc, Bezier, Segment
 from perfqr_cad.surface import Placement, Revolved
 
-from .sampling import Array, derivatives, quarters, sweep
+from .sampling import Array, Indices, by_kind, derivatives, positions, quarters, rounds
 from .sections import Well
 
 NODES = 8  # of the Gauss rule along an edge panel; exact to degree 15
 RULING_NODES = 2  # p · (p_t × p_s) is quadratic along a ruling
-CIRCLE_PANELS = 4  # a whole circle is integrated by quarters
 PANEL_MM = 2.0  # on curved walls, where splines join between modules
 TABLE = 161  # grid lines of G over the code: a quarter of a module, or less
 
@@ -84,7 +82,7 @@ def _walls(wells: Sequence[Well], placement: Placement, origin: Array) -> float:
 
 
 def _run(
-    segments: list[Segment], node: Array, depth_mm: float, placement: Placement, spans: Array | None
+    segments: list[Segment], node: Array, depth_mm: float, placement: Placement, spans: Indices | None
 ) -> tuple[Array, Array]:
     """Points and derivatives (k, q, 3) of laid segments."""
     at, slope = derivatives(segments, node)
@@ -96,52 +94,49 @@ def _run(
     return points, along_u * slope[..., :1] + along_v * slope[..., 1:]
 
 
-def _spans(upper: Sequence[Segment], lower: Sequence[Segment]) -> Array:
+def _spans(upper: Sequence[Segment], lower: Sequence[Segment]) -> Indices:
     """Rational spans (k,) of the wall between two arcs, 0 for other segments."""
-    return np.array(
-        [
-            quarters(max(abs(sweep(a)), abs(sweep(b)))) if isinstance(a, Arc) and isinstance(b, Arc) else 0
-            for a, b in zip(upper, lower, strict=True)
-        ]
-    )
+    spans = np.zeros(len(upper), np.int64)
+    rows = by_kind(upper)[Arc]
+    turns = [np.abs(rounds([row[i] for i in rows.tolist()]).sweep_rad) for row in (upper, lower)]
+    spans[rows] = quarters(np.maximum(*turns))
+    return spans
 
 
-def _by_rationals(segments: list[Segment], node: Array, spans: Array, at: Array, slope: Array) -> None:
+def _by_rationals(segments: Sequence[Segment], node: Array, spans: Indices, at: Array, slope: Array) -> None:
     """Points and derivatives of arcs where their rational spans have them, in place.
 
     On a plate the wall between two arcs of unlike sweep is ruled between equal parameters of their rational
-    forms (`ruled.oblique_wall`), which are not equal shares of their angles.
+    forms (`ruled.oblique`), which are not equal shares of their angles.
     """
     rows = np.flatnonzero(spans)
-    arcs = [arc for arc in (segments[i] for i in rows) if isinstance(arc, Arc)]
-    if not arcs:
-        return
+    arcs = rounds([segments[i] for i in rows.tolist()])
     count = spans[rows][:, None]
-    turn = np.array([sweep(arc) for arc in arcs])[:, None]
+    turn = arcs.sweep_rad[:, None]
     quarter = np.tan(np.abs(turn) / count / 4)
     span = np.minimum(np.floor(node * count), count - 1)
     local = 2 * (node * count - span) - 1
     half = np.abs(turn) / count / 2
     share = (span + (2 * np.arctan(local * quarter) / half + 1) / 2) / count
     speed = 2 * quarter / (1 + (local * quarter) ** 2) / half
-    angle = np.array([arc.start_rad for arc in arcs])[:, None] + share * turn
-    radius = np.array([arc.radius for arc in arcs])[:, None]
-    ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * radius[..., None]
-    at[rows] = np.array([arc.centre for arc in arcs])[:, None] + ray
+    angle = arcs.start_rad[:, None] + share * turn
+    ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * arcs.radius[:, None, None]
+    at[rows] = arcs.centre[:, None] + ray
     slope[rows] = np.stack([-ray[..., 1], ray[..., 0]], axis=-1) * (turn * speed)[..., None]
 
 
 def _by_panels(segments: Sequence[Segment], flat: bool) -> dict[int, list[int]]:
     """Segments by the number of panels they are integrated in."""
-    found: dict[int, list[int]] = {}
-    for i, segment in enumerate(segments):
-        panels = 1 if isinstance(segment, Line) else CIRCLE_PANELS if isinstance(segment, Circle) else 2
-        if isinstance(segment, Arc):  # so that no panel runs over the joint of two rational spans
-            panels = 2 * quarters(abs(sweep(segment)))
-        if not flat:
-            panels = max(panels, math.ceil(segment.length / PANEL_MM))
-        found.setdefault(panels, []).append(i)
-    return found
+    kinds = by_kind(segments)
+    panels = np.ones(len(segments), np.int64)
+    panels[kinds[Bezier]] = 2
+    # No panel runs over the joint of two rational spans.
+    panels[kinds[Arc]] = 2 * quarters(np.abs(rounds(segments).sweep_rad))
+    if not flat:
+        steps = np.diff(positions(segments, np.linspace(0.0, 1.0, NODES)), axis=1)
+        length = np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1)
+        panels = np.maximum(panels, np.ceil(length / PANEL_MM).astype(np.int64))
+    return {count: np.flatnonzero(panels == count).tolist() for count in np.unique(panels).tolist()}
 
 
 def _swept(placement: Placement, depth_mm: float, origin: Array, box: tuple[Array, Array]) -> Swept:

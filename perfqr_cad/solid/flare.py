@@ -4,6 +4,9 @@ thin."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -12,8 +15,9 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.outline import Arc, Loop, Region, Segment
 
+from .brep import owners, starts_of
 from .offset import widened
-from .sampling import Array, Indices
+from .sampling import Array, Indices, corners, pieces
 
 WEB_CHORD_MM = 0.002  # curves are measured by chords this close
 
@@ -24,105 +28,164 @@ WEB_SLACK = 0.02
 ALONG = 0.3  # sine (17°) below which a tie runs along a segment rather than away from it
 
 
-def settled(pieces: Sequence[Region], flare_mm: float, min_web_mm: float) -> list[Array]:
-    """For each loop but the first outline, the set-back of each of its segments at the back, tried out:
-    `flare_mm`, or what the webs and short edges bear.
+@dataclass(frozen=True)
+class Flared:
+    """A loop at the back, and by how much each of its segments was set back for that, (k,) mm."""
+
+    loop: Loop
+    set_back_mm: Array
+
+
+def settled(front: Sequence[Region], flare_mm: float, min_web_mm: float) -> list[Flared]:
+    """Each loop but the first outline at the back, tried out: its segments set back by `flare_mm`, or by what
+    the webs and short edges bear. Both sides of a web give way alike.
 
     Raises `DesignError` where no edge can give way at all.
     """
     least = max(min_web_mm, LEAST_WEB_MM)
-    inner = [loop for region in pieces for loop in region.loops][1:]
-    front = webs(pieces, least)
-    back = flares(pieces, flare_mm, least)
-    wide = [widened(loop, set_back) for loop, set_back in zip(inner, back, strict=True)]
+    outlines = Outlines.of(front)
+    inner = outlines.loops[1:]
+    # A web that is thinner at the front already cannot be asked to be wider at the back.
+    webs = outlines.webs(2 * flare_mm + least)
+    limits = (1 - WEB_SLACK) * np.minimum(least, webs)
+    back = np.clip((webs - least) / 2, 0.0, flare_mm)
+    own = [slice(a, b) for a, b in pairwise(outlines.starts[1:].tolist())]
+    doubtful = np.arange(outlines.starts[1], outlines.starts[-1])
+    wide = widened(inner, back[doubtful])
     for attempt in range(HALVINGS):
-        found = webs(_replaced(pieces, wide), least)
-        # A web that is thinner at the front already cannot be asked to be wider at the back.
-        thin = [f < (1 - WEB_SLACK) * np.minimum(least, g) for f, g in zip(found, front, strict=True)]
-        if not any(t.any() for t in thin):
+        found = Outlines.of(_replaced(front, wide)).webs(least, doubtful)
+        thin = doubtful[found < limits[doubtful]]
+        if not len(thin):
             break
-        share = 0.5 if attempt < HALVINGS - 2 else 0.0
-        for k in [k for k, t in enumerate(thin) if t.any()]:
-            back[k] = np.where(thin[k], share * back[k], back[k])
-            wide[k] = widened(inner[k], back[k])
-    sound = all(region.polygon().is_valid for region in _replaced(pieces, wide))
-    if wide == inner or not sound:
+        back[thin] *= 0.5 if attempt < HALVINGS - 2 else 0.0
+        changed = np.unique(outlines.loop_of_segment[thin]) - 1
+        doubtful = np.flatnonzero(np.isin(outlines.loop_of_segment - 1, changed))
+        again = widened([inner[k] for k in changed.tolist()], back[doubtful])
+        for k, loop in zip(changed.tolist(), again, strict=True):
+            wide[k] = loop
+    if wide == list(inner) or not Outlines.of(_replaced(front, wide)).sound:
         raise DesignError(
             f"no hole can be flared by up to {flare_mm:.3g} mm with webs of {least:.3g} mm at the back: "
             "take a smaller draft, a longer lip, a thinner plate or larger modules"
         )
-    return back
+    return [Flared(loop, back[part]) for loop, part in zip(wide, own, strict=True)]
 
 
-def _replaced(pieces: Sequence[Region], inner: Sequence[Loop]) -> list[Region]:
+def _replaced(front: Sequence[Region], inner: Sequence[Loop]) -> list[Region]:
     """The pieces with other loops but for the first outline."""
-    loops = iter((pieces[0].outer, *inner))
-    return [Region(next(loops), tuple(next(loops) for _ in region.holes)) for region in pieces]
+    loops = iter((front[0].outer, *inner))
+    return [Region(next(loops), tuple(next(loops) for _ in region.holes)) for region in front]
 
 
-def flares(pieces: Sequence[Region], flare_mm: float, min_web_mm: float) -> list[Array]:
-    """For each inner loop, the set-back of each of its segments: `flare_mm`, or less where a web would fall
-    below `min_web_mm` at the back. Both sides of a web give way alike; one already that thin stays as it is.
+@dataclass(frozen=True, eq=False)
+class Outlines:
+    """The loops of a front, each outline before its holes, and chords along them.
+
+    starts    (L + 1,) first segment of each loop, and the end
+    segments  of all loops
+    piece     (L,) of each loop
     """
-    behind = webs(pieces, 2 * flare_mm + min_web_mm)
-    return [np.clip((web - min_web_mm) / 2, 0.0, flare_mm) for web in behind]
 
+    loops: tuple[Loop, ...]
+    starts: Indices
+    segments: tuple[Segment, ...]
+    piece: Indices
 
-def webs(pieces: Sequence[Region], up_to_mm: float) -> list[Array]:
-    """For each loop of a front but its first outline, the width of the material behind each of its segments,
-    at most `up_to_mm`.
+    @staticmethod
+    def of(front: Sequence[Region]) -> Outlines:
+        loops = tuple(loop for region in front for loop in region.loops)
+        return Outlines(
+            loops,
+            starts_of(len(loop.segments) for loop in loops),
+            tuple(segment for loop in loops for segment in loop.segments),
+            owners(starts_of(len(region.loops) for region in front)),
+        )
 
-    A web runs between boundaries that are no neighbours along a straight tie through the material.
-    """
-    loops = [loop for region in pieces for loop in region.loops]
-    widths = _webs(pieces, [s for loop in loops for s in loop.segments], up_to_mm)
-    starts = np.cumsum([len(loop.segments) for loop in loops])
-    return np.split(widths, starts[:-1])[1:]
+    @property
+    def loop_of_segment(self) -> Indices:
+        """(k,)."""
+        return owners(self.starts)
 
+    @property
+    def sound(self) -> bool:
+        """Whether the loops are simple and apart."""
+        return bool(shapely.is_valid(self._polygons).all())
 
-def _webs(pieces: Sequence[Region], segments: Sequence[Segment], up_to_mm: float) -> Array:
-    """Width of the material behind each segment, (k,), at most `up_to_mm`."""
-    lines = np.array([shapely.LineString([*s.flatten(WEB_CHORD_MM), s.end]) for s in segments])
-    first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=up_to_mm)
-    once = (first < second) & ~_neighbours(pieces, segments, first, second)
-    first, second = first[once], second[once]
-    ties = shapely.get_coordinates(shapely.shortest_line(lines[first], lines[second])).reshape(-1, 2, 2)
-    middle = ties.mean(axis=1)
-    solid = np.zeros(len(middle), dtype=np.bool_)
-    for region in pieces:
-        polygon = region.polygon(WEB_CHORD_MM)
-        shapely.prepare(polygon)
-        solid |= shapely.contains_xy(polygon, middle[:, 0], middle[:, 1])
-    tie = ties[:, 1] - ties[:, 0]
-    width = np.linalg.norm(tie, axis=1)
-    ahead = np.array([np.subtract(s.end, s.start) for s in segments])
-    left = np.column_stack([-ahead[:, 1], ahead[:, 0]])
-    found = np.full(len(segments), up_to_mm)
-    for side, way in ((first, tie), (second, -tie)):
-        # A tie that runs along a segment does not shrink when the segment is set back.
-        across = np.einsum("ki,ki->k", way, left[side])
-        counts = solid & (across >= ALONG * width * np.linalg.norm(left[side], axis=1))
-        np.minimum.at(found, side[counts], width[counts])
-    return found
+    def webs(self, up_to_mm: float, of: Indices | None = None) -> Array:
+        """Width of the material behind each of some segments (of all), at most `up_to_mm`.
 
+        A web runs between boundaries that are no neighbours along a straight tie through the material.
+        """
+        chosen = np.arange(len(self.segments)) if of is None else of
+        asked = np.zeros(len(self.segments), np.bool_)
+        asked[chosen] = True
+        tree, lines = self._tree, self._lines
+        first, second = tree.query(lines[chosen], predicate="dwithin", distance=up_to_mm)
+        first = chosen[first]
+        once = ((first < second) | ~asked[second]) & (first != second) & ~self._neighbours(first, second)
+        first, second = first[once], second[once]
+        ties = shapely.get_coordinates(shapely.shortest_line(lines[first], lines[second])).reshape(-1, 2, 2)
+        solid = np.zeros(len(ties), dtype=np.bool_)
+        for polygon in self._polygons:
+            solid |= shapely.contains_xy(polygon, *ties.mean(axis=1).T)
+        tie = ties[:, 1] - ties[:, 0]
+        width = np.hypot(*tie.T)
+        found = np.full(len(self.segments), up_to_mm)
+        for side, way in ((first, tie), (second, -tie)):
+            # A tie that runs along a segment does not shrink when the segment is set back.
+            across = np.einsum("ki,ki->k", way, self._left[side])
+            counts = solid & (across >= ALONG * width)
+            np.minimum.at(found, side[counts], width[counts])
+        return found[chosen]
 
-def _neighbours(
-    pieces: Sequence[Region], segments: Sequence[Segment], first: Indices, second: Indices
-) -> NDArray[np.bool_]:
-    """Pairs that meet at a corner, sharp or rounded: no web lies between them."""
-    loops = [loop for region in pieces for loop in region.loops]
-    after = np.concatenate([_successors(loop, start) for loop, start in _starts(loops)])
-    rounded = np.array([isinstance(s, Arc) for s in segments])
-    beside = (after[first] == second) | (after[second] == first)
-    for a, b in ((first, second), (second, first)):
-        beside |= rounded[after[a]] & (after[after[a]] == b)
-    return beside
+    @cached_property
+    def _corners(self) -> tuple[Array, Indices]:
+        """Corners (n, 2) of all loops, and the first of each segment, (k + 1,)."""
+        counts = pieces(self.segments, WEB_CHORD_MM)
+        return corners(self.segments, counts), starts_of(counts)
 
+    @cached_property
+    def _lines(self) -> NDArray[np.object_]:
+        """(k,) line strings along the segments."""
+        points, first = self._corners
+        counts = np.diff(first) + 1
+        use = owners(starts_of(counts))
+        step = np.arange(len(use)) - starts_of(counts)[use]
+        at = np.where(step < counts[use] - 1, first[use] + step, first[self._after[use]])
+        return np.asarray(shapely.linestrings(points[at], indices=use))
 
-def _starts(loops: Sequence[Loop]) -> list[tuple[Loop, int]]:
-    starts = np.concatenate([[0], np.cumsum([len(loop.segments) for loop in loops])])
-    return list(zip(loops, starts.tolist(), strict=False))
+    @cached_property
+    def _tree(self) -> shapely.STRtree:
+        return shapely.STRtree(self._lines)
 
+    @cached_property
+    def _polygons(self) -> NDArray[np.object_]:
+        points, first = self._corners
+        rings = shapely.linearrings(points, indices=owners(first[self.starts]))
+        polygons = np.asarray(shapely.polygons(np.asarray(rings), indices=self.piece))
+        shapely.prepare(polygons)
+        return polygons
 
-def _successors(loop: Loop, start: int) -> Indices:
-    return start + (np.arange(len(loop.segments)) + 1) % len(loop.segments)
+    @cached_property
+    def _left(self) -> Array:
+        """(k, 2) unit normals of the chords, into the material."""
+        ends = np.array([(s.start, s.end) for s in self.segments])
+        ahead = ends[:, 1] - ends[:, 0]
+        length = np.hypot(*ahead.T)
+        return np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.where(length > 0, length, 1.0)[:, None]
+
+    @cached_property
+    def _after(self) -> Indices:
+        """(k,) the next segment of the same loop."""
+        after = np.arange(1, len(self.segments) + 1)
+        after[self.starts[1:] - 1] = self.starts[:-1]
+        return after
+
+    def _neighbours(self, first: Indices, second: Indices) -> NDArray[np.bool_]:
+        """Pairs that meet at a corner, sharp or rounded: no web lies between them."""
+        after = self._after
+        rounded = np.array([isinstance(s, Arc) for s in self.segments])
+        beside = (after[first] == second) | (after[second] == first)
+        for a, b in ((first, second), (second, first)):
+            beside |= rounded[after[a]] & (after[after[a]] == b)
+        return beside

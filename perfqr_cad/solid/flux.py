@@ -177,7 +177,7 @@ def _breaks(curves: Curves) -> tuple[tuple[float, ...], int]:
     if isinstance(curves, Splines):
         return tuple(sorted(set(curves.knots))), 1
     if isinstance(curves, Arcs):
-        return (0.0, 1.0), quarters(float(curves.sweep.max(initial=0.0)))
+        return (0.0, 1.0), int(quarters(curves.sweep).max(initial=1))
     return (0.0, 1.0), 1 if isinstance(curves, Lines) else MODELLED_PANELS
 
 

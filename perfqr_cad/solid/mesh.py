@@ -20,7 +20,7 @@ from perfqr_cad.surface import Triangles
 from .caps import caps
 from .chart import Well
 from .recess import Top
-from .sampling import Array, Indices, positions
+from .sampling import Array, Indices, corners, pieces, positions
 from .triangulation import delaunay, refined
 
 CHORD_MM = 0.01  # greatest distance between mesh and surface; a twentieth of a printed layer
@@ -84,68 +84,57 @@ def flattened(
     wells: Sequence[Well], place: Map, chord_mm: float, flat: bool, tops: Sequence[Top] = ()
 ) -> list[Ring]:
     """The wells as polygons whose corresponding sides keep the chord tolerance on every level."""
-    pieces = _pieces(wells, place, chord_mm, flat)
+    counts = _pieces(wells, place, chord_mm, flat)
     if tops:
-        _agree(wells, pieces, tops[0].depth_mm)
-    counts = np.split(pieces, np.cumsum([len(well.loops[0].segments) for well in wells])[:-1])
+        _agree(wells, counts, tops[0].depth_mm)
+    by_well = np.split(counts, np.cumsum([len(well.loops[0].segments) for well in wells])[:-1])
     polygons: list[list[Array]] = [[] for _ in wells]
     for k in range(max(len(well.loops) for well in wells)):
         deep = [i for i, well in enumerate(wells) if len(well.loops) > k]
         segments = [segment for i in deep for segment in wells[i].loops[k].segments]
-        corners = _corners(segments, np.concatenate([counts[i] for i in deep]))
-        bounds = np.cumsum([int(counts[i].sum()) for i in deep])[:-1]
-        for i, polygon in zip(deep, np.split(corners, bounds), strict=True):
+        laid = corners(segments, np.concatenate([by_well[i] for i in deep]))
+        bounds = np.cumsum([int(by_well[i].sum()) for i in deep])[:-1]
+        for i, polygon in zip(deep, np.split(laid, bounds), strict=True):
             polygons[i].append(polygon)
-    return [Ring(well, tuple(p), n) for well, p, n in zip(wells, polygons, counts, strict=True)]
+    return [Ring(well, tuple(p), n) for well, p, n in zip(wells, polygons, by_well, strict=True)]
 
 
-def _agree(wells: Sequence[Well], pieces: Indices, depth_mm: float) -> None:
+def _agree(wells: Sequence[Well], counts: Indices, depth_mm: float) -> None:
     """Cut the segments that meet at a depth, of the walls above and below, in as many pieces."""
     rows: dict[tuple[Point, Point], list[int]] = {}
-    row = 0
+    first = 0
     for well in wells:
-        for stack in well.stacks():
-            for segment, level in zip(stack, well.levels, strict=True):
-                if level.depth_mm == depth_mm:
+        for loop, level in zip(well.loops, well.levels, strict=True):
+            if level.depth_mm == depth_mm:
+                for row, segment in enumerate(loop.segments, first):
                     rows.setdefault((segment.start, segment.end), []).append(row)
-            row += 1
+        first += len(well.loops[0].segments)
     for pair in rows.values():
-        pieces[pair] = pieces[pair].max()
+        counts[pair] = counts[pair].max()
 
 
 def _pieces(wells: Sequence[Well], place: Map, chord_mm: float, flat: bool) -> Indices:
     """In how many pieces each segment of the wells' loops is cut, the same on all its levels."""
-    stacks = [stack for well in wells for stack in well.stacks()]
-    pieces = np.array([max(len(s.flatten(chord_mm)) for s in stack) for stack in stacks])
-    if flat:
-        return pieces
+    counts = np.ones(sum(len(well.loops[0].segments) for well in wells), np.int64)
     by_depth: dict[float, tuple[list[int], list[Segment]]] = {}
-    row = 0
+    first = 0
     for well in wells:
-        for stack in well.stacks():
-            for segment, level in zip(stack, well.levels, strict=True):
-                rows, segments = by_depth.setdefault(level.depth_mm, ([], []))
-                rows.append(row)
-                segments.append(segment)
-            row += 1
+        for loop, level in zip(well.loops, well.levels, strict=True):
+            rows, segments = by_depth.setdefault(level.depth_mm, ([], []))
+            rows += range(first, first + len(loop.segments))
+            segments += loop.segments
+        first += len(well.loops[0].segments)
+    for rows, segments in by_depth.values():
+        np.maximum.at(counts, rows, pieces(segments, chord_mm))
+    if flat:
+        return counts
     for depth, (rows, segments) in by_depth.items():
         laid = place(positions(segments, np.linspace(0, 1, PROBES + 1)).reshape(-1, 2), depth)
         bend = np.linalg.norm(np.diff(laid.reshape(-1, PROBES + 1, 3), 2, axis=1), axis=2).max(axis=1)
         # A second difference b over steps of 1/N is a sagitta of b (N/n)² / 8 in n pieces.
         sharp = np.ceil(PROBES * np.sqrt(bend / (8 * RING_SHARE * chord_mm))).astype(np.int64)
-        np.maximum.at(pieces, rows, sharp)
-    return pieces
-
-
-def _corners(segments: Sequence[Segment], pieces: Indices) -> Array:
-    """Corners (n, 2) of loops whose segments are cut in so many equal pieces each."""
-    starts = np.concatenate([[0], np.cumsum(pieces)[:-1]])
-    corners = np.empty((int(pieces.sum()), 2))
-    for count in np.unique(pieces).tolist():
-        rows = np.flatnonzero(pieces == count)
-        points = positions([segments[i] for i in rows.tolist()], np.arange(count) / count)
-        corners[starts[rows][:, None] + np.arange(count)] = points
-    return corners
+        np.maximum.at(counts, rows, sharp)
+    return counts
 
 
 class _Mesh:
@@ -158,6 +147,7 @@ class _Mesh:
         self._vertices: list[Array] = []
         self._faces: list[Indices] = []
         self._count = 0
+        self._last: tuple[Sequence[Array], Indices] | None = None
 
     def ring(self, uv: Array, depth_mm: float) -> Indices:
         """Lay a polygon at a depth; the indices of its corners."""
@@ -171,13 +161,20 @@ class _Mesh:
     def cap(self, rings: Sequence[Indices], polygons: Sequence[Array], depth_mm: float, *, up: bool) -> None:
         """Fill the first ring, less the others, at a depth; `up` looks at the reader."""
         uv, index = np.vstack(polygons), np.concatenate(rings)
-        faces = delaunay(polygons)
+        faces = self._triangles(polygons)
         if not self._flat:
             corners = len(uv)
             uv, faces = refined(uv, faces, lambda points: self._place(points, depth_mm), self._chord_mm)
             index = np.concatenate([index, self._add(self._place(uv[corners:], depth_mm))])
         faces = index[faces]
         self._faces.append(faces if up else faces[:, ::-1])
+
+    def _triangles(self, polygons: Sequence[Array]) -> Indices:
+        """Those of the cap before, if it had the same polygons: the front and the back of straight walls."""
+        before = self._last
+        if before is None or not _same(before[0], polygons):
+            before = self._last = polygons, delaunay(polygons)
+        return before[1]
 
     def triangles(self) -> Triangles:
         return Triangles(np.vstack(self._vertices), np.vstack(self._faces))
@@ -186,6 +183,10 @@ class _Mesh:
         self._vertices.append(points)
         self._count += len(points)
         return np.arange(self._count - len(points), self._count)
+
+
+def _same(one: Sequence[Array], other: Sequence[Array]) -> bool:
+    return len(one) == len(other) and all(map(np.array_equal, one, other))
 
 
 class _Seam:

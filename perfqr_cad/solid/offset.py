@@ -2,244 +2,311 @@
 faces.
 
 `shapely.buffer` would flatten arcs and drop segments; here every segment of the widened loop lies above the
-segment it came from. Loops run with the material on their left; a set-back moves a segment to the left.
+segment it came from. Loops run with the material on their left; a set-back moves a segment to the left. All
+segments of all loops are moved at once.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Loop, Segment
 
-from .sampling import Array
+from .brep import owners, starts_of
+from .sampling import Array, Indices
 
 SMOOTH = 1e-6  # sine of the turn below which two segments join smoothly
 EVEN = 0.35  # sine of the turn (20°) below which a mitre between unlike flares would be a long spike
 HALVINGS = 8  # of a flare that closes an edge; after the last it is dropped
-REACH = (-2, -1, 0, 1, 2)  # an edge and its neighbours, rounded corners between them included
+REACH = 2  # an edge and so many neighbours on either side, rounded corners between them included
 SHORTEST = 0.05  # an edge that keeps less of its length than this counts as closed
 MOST_TURN_RAD = 1.0  # an arc whose sweep changes more has closed and come out on the other side
 SHARE = 0.5  # a rounded corner that would shrink below this share of its radius keeps the radius instead
+MOST_STEPS = 20  # of Newton's iteration towards a corner
+CORNER_MM = 1e-13  # where it ends
 
 
-def widened(loop: Loop, flares: Sequence[float] | Array, share: float = 1.0) -> Loop:
-    """The loop with each segment set back to its left by its own flare, mm; half-way there by a `share`.
+def widened(loops: Sequence[Loop], flares_mm: Array, share: float = 1.0) -> list[Loop]:
+    """The loops with each segment, of all in turn, set back to its left by its own flare (k,); half-way there
+    by a `share`.
 
     Rounded corners between lines stay tangent; joints that hardly turn take the lesser flare of the two.
     Where a segment would vanish or turn over, it and its neighbours give way: their flares are halved, in the
-    end dropped.
+    end dropped. A loop where that does not help stays as it is.
     """
-    segments = loop.segments
-    n = len(segments)
-    back = list(flares)
+    if not loops:
+        return []
+    chain = _Chain.of(loops)
+    back = flares_mm.copy()
+    moved = chain.set_back(back)
+    bad = chain.turned_over(moved)
     for attempt in range(HALVINGS):
-        moved = _set_back(segments, back)
-        bad = [i for i in range(n) if _turned_over(segments[i], moved[i])]
-        if not bad:
-            return Loop(tuple(moved if share == 1.0 else _set_back(segments, [share * b for b in back])))
-        for i in {(k + step) % n for k in bad for step in REACH}:
-            back[i] = back[i] / 2 if attempt < HALVINGS - 2 else 0.0
-    return loop
+        if not bad.any():
+            break
+        back[chain.around(bad)] *= 0.5 if attempt < HALVINGS - 2 else 0.0
+        moved = chain.set_back(back)
+        bad = chain.turned_over(moved)
+    given_up = np.unique(chain.loop[bad]).tolist()
+    if share != 1.0:
+        moved = chain.set_back(share * back)
+    return [loops[i] if i in given_up else made for i, made in enumerate(chain.loops(moved))]
 
 
-def _set_back(segments: Sequence[Segment], flares: Sequence[float]) -> list[Segment]:
-    """The segments set back, whether or not they still make a loop."""
-    n = len(segments)
-    if isinstance(segments[0], Circle):
-        circle = segments[0]
-        return [Circle(circle.centre, _radius(circle, flares[0]), circle.ccw)]
-    back = _evened(segments, flares)
-    fillets = {i: _fillet(segments, back, i) for i in range(n) if _is_fillet(segments, i)}
-    corners: list[Array] = []
-    for i in range(n):
-        before = (i - 1) % n
-        if i in fillets:
-            corners.append(fillets[i][0])
-        elif before in fillets:
-            corners.append(fillets[before][1])
+@dataclass(frozen=True, eq=False)
+class _Moved:
+    """Corners (k, 2) at the start of each segment, centres (k, 2) and radii (k,) of round ones, and the inner
+    control points (k, 2, 2) of Béziers."""
+
+    corner: Array
+    centre: Array
+    radius: Array
+    control: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Chain:
+    """The segments of some loops as arrays: Béziers by their four control points, others by theirs repeated.
+
+    loop    (k,) which loop each belongs to; start (L + 1,) where loops begin
+    points  (k, 4, 2)
+    centre  (k, 2) and radius (k,) of round segments; side (k,): 1 where they run counter-clockwise, −1, 0
+    """
+
+    segments: tuple[Segment, ...]
+    start: Indices
+    loop: Indices
+    points: Array
+    centre: Array
+    radius: Array
+    side: Array
+
+    @staticmethod
+    def of(loops: Sequence[Loop]) -> _Chain:
+        segments = tuple(segment for loop in loops for segment in loop.segments)
+        start = starts_of(len(loop.segments) for loop in loops)
+        points = np.array(
+            [s.controls if isinstance(s, Bezier) else (s.start, s.start, s.end, s.end) for s in segments]
+        )
+        circles = np.array(
+            [
+                (*s.centre, 1.0 if s.ccw else -1.0) if isinstance(s, Arc | Circle) else (0.0, 0.0, 0.0)
+                for s in segments
+            ]
+        )
+        centre, side = circles[:, :2], circles[:, 2]
+        radius = np.hypot(*(points[:, 0] - centre).T)
+        return _Chain(segments, start, owners(start), points, centre, radius, side)
+
+    @cached_property
+    def after(self) -> Indices:
+        """(k,) the next segment of the same loop."""
+        after = np.arange(1, len(self.loop) + 1)
+        after[self.start[1:] - 1] = self.start[:-1]
+        return after
+
+    @cached_property
+    def before(self) -> Indices:
+        """(k,) the one before."""
+        before = np.empty_like(self.after)
+        before[self.after] = np.arange(len(before))
+        return before
+
+    @cached_property
+    def ahead(self) -> tuple[Array, Array]:
+        """Unit directions of travel at the start and at the end, (k, 2) each."""
+        legs = np.where(self._bezier[:, None, None], np.diff(self.points, axis=1)[:, [0, -1]], 0.0)
+        chord = (self.points[:, 3] - self.points[:, 0])[:, None].repeat(2, axis=1)
+        rays = self.points[:, [0, 3]] - self.centre[:, None]
+        tangents = np.where(self._bezier[:, None, None], legs, chord)
+        tangents = np.where(self._round[:, None, None], self.side[:, None, None] * _left(rays), tangents)
+        one, two = _unit(tangents).swapaxes(0, 1)
+        return one, two
+
+    @cached_property
+    def fillet(self) -> NDArray[np.bool_]:
+        """(k,) arcs tangent to a line on either side, which make a corner (a slot's end does not)."""
+        begin, end = self.ahead
+        smooth = self._smooth(SMOOTH)
+        turn = np.abs(_cross(end[self.before], begin[self.after]))
+        lines = ~self._round & ~self._bezier
+        arcs = self._round & lines[self.before] & lines[self.after]
+        return arcs & smooth[self.before] & smooth & (turn > EVEN) & (np.abs(self._sweep(None)) < math.pi)
+
+    def set_back(self, flares_mm: Array) -> _Moved:
+        """The segments set back, whether or not they still make a loop."""
+        back = self._evened(flares_mm)
+        radius = self.radius - self.side * back
+        least = np.minimum(back[self.before], back[self.after])
+        rounded = self.radius - self.side * least
+        # Concentric where that leaves enough of the radius, else the radius itself: an oblique wall.
+        rounded = np.where((self.side > 0) & (rounded <= SHARE * self.radius), self.radius, rounded)
+        corner = self._corners(back, radius)
+        centre = self.centre.copy()
+        i = np.flatnonzero(self.fillet)
+        centre[i], corner[i], corner[self.after[i]] = self._fillets(i, back, rounded[i])
+        radius = np.where(self.fillet, rounded, radius)
+        return _Moved(corner, centre, radius, self._controls(back))
+
+    def turned_over(self, moved: _Moved) -> NDArray[np.bool_]:
+        """(k,) whether a segment has vanished, or runs the other way: the corners beside it have met."""
+        start, end = moved.corner, moved.corner[self.after]
+        old, new = self.points[:, 3] - self.points[:, 0], end - start
+        with np.errstate(invalid="ignore"):
+            short = np.einsum("ki,ki->k", old, new) < SHORTEST * np.einsum("ki,ki->k", old, old)
+            reach = [np.hypot(*(p - moved.centre).T) for p in (start, end)]
+            astray = np.abs(reach[1] - reach[0]) > SMOOTH * reach[0]
+            turned = np.abs(self._sweep(moved) - self._sweep(None)) > MOST_TURN_RAD
+        found = np.where(self._round, astray | turned, short)
+        found |= ~np.isfinite(new).all(axis=1) | (start == end).all(axis=1)
+        return np.where(self._whole, moved.radius <= 0, found)
+
+    def around(self, bad: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """(k,) segments and their neighbours."""
+        found = bad.copy()
+        for _ in range(REACH):
+            found |= found[self.after] | found[self.before]
+        return found
+
+    def loops(self, moved: _Moved) -> list[Loop]:
+        """Segments of the same kinds between the new corners."""
+        starts, centres = ([(x, y) for x, y in a.tolist()] for a in (moved.corner, moved.centre))
+        radii, controls, after = moved.radius.tolist(), moved.control.tolist(), self.after.tolist()
+        made: list[Segment] = []
+        for i, segment in enumerate(self.segments):
+            start, end = starts[i], starts[after[i]]
+            match segment:
+                case Line():
+                    made.append(Line(start, end))
+                case Arc():
+                    made.append(Arc(start, end, centres[i], segment.ccw))
+                case Circle():
+                    made.append(Circle(segment.centre, radii[i], segment.ccw))
+                case Bezier():
+                    (x, y), (x1, y1) = controls[i]
+                    made.append(Bezier(start, (x, y), (x1, y1), end))
+        return [Loop(tuple(made[a:b])) for a, b in zip(self.start[:-1], self.start[1:], strict=True)]
+
+    @cached_property
+    def _round(self) -> NDArray[np.bool_]:
+        return self.side != 0
+
+    @cached_property
+    def _whole(self) -> NDArray[np.bool_]:
+        return np.array([isinstance(s, Circle) for s in self.segments])
+
+    @cached_property
+    def _bezier(self) -> NDArray[np.bool_]:
+        return np.array([isinstance(s, Bezier) for s in self.segments])
+
+    def _smooth(self, sine: float) -> NDArray[np.bool_]:
+        """(k,) whether each segment goes on into the next without a corner."""
+        one, two = self.ahead[1], self.ahead[0][self.after]
+        return (np.abs(_cross(one, two)) < sine) & (np.einsum("ki,ki->k", one, two) > 0)
+
+    def _sweep(self, moved: _Moved | None) -> Array:
+        """(k,) angles that arcs turn, rad, positive counter-clockwise."""
+        if moved is None:
+            start, end, centre = self.points[:, 0], self.points[:, 3], self.centre
         else:
-            corners.append(_corner(segments[before], back[before], segments[i], back[i]))
-    moved: list[Segment] = []
-    for i, segment in enumerate(segments):
-        start, end = corners[i], corners[(i + 1) % n]
-        centre = fillets[i][2] if i in fillets else None
-        moved.append(_between(segment, back[i], start, end, centre))
-    return moved
+            start, end, centre = moved.corner, moved.corner[self.after], moved.centre
+        angles = [np.arctan2(*(p - centre).T[::-1]) for p in (start, end)]
+        turn = (angles[1] - angles[0]) % math.tau
+        return np.where(self.side < 0, turn - math.tau, turn)
+
+    def _evened(self, flares_mm: Array) -> Array:
+        """Flares made equal across smooth joints, save those of a fillet, which adapts."""
+        joined = np.flatnonzero(self._smooth(EVEN) & ~self.fillet & ~self.fillet[self.after])
+        links = joined, self.after[joined]
+        size = len(flares_mm)
+        _, run = connected_components(
+            coo_array((np.ones(len(joined)), links), shape=(size, size)), directed=False
+        )
+        least = np.full(size, math.inf)
+        np.minimum.at(least, run, flares_mm)
+        return least[run]
+
+    def _fillets(self, i: Indices, back: Array, radius: Array) -> tuple[Array, Array, Array]:
+        """Centre, start and end of arcs that round the corner of their two lines, set back by their own
+        flares."""
+        reach = self.side[i] * radius  # the centre lies to the left of a counter-clockwise arc
+        before, after = self.before[i], self.after[i]
+        d, e = self.ahead[1][before], self.ahead[0][after]
+        p = self.points[before, 3] + (back[before] + reach)[:, None] * _left(d)
+        q = self.points[after, 0] + (back[after] + reach)[:, None] * _left(e)
+        centre = _crossing(p, d, q, e)
+        return centre, centre - reach[:, None] * _left(d), centre - reach[:, None] * _left(e)
+
+    def _corners(self, back: Array, radius: Array) -> Array:
+        """Where each set-back segment meets the one before, (k, 2)."""
+        before = self.before
+        d, e = self.ahead[1][before], self.ahead[0]
+        p = self.points[before, 3] + back[before][:, None] * _left(d)
+        q = self.points[:, 0] + back[:, None] * _left(e)
+        smooth = self._smooth(SMOOTH)[before]
+        meet = np.where(smooth[:, None], q, _crossing(p, d, q, e))
+        # On arcs the tangents only give the first guess: Newton on both offset curves' equations.
+        rows = np.flatnonzero(~smooth & (self._round | self._round[before]) & np.isfinite(meet).all(axis=1))
+        for _ in range(MOST_STEPS):
+            sides = [(before[rows], p[rows], d[rows]), (rows, q[rows], e[rows])]
+            gaps = [self._gap(segment, radius, point, way, meet[rows]) for segment, point, way in sides]
+            residual = np.stack([gap for gap, _ in gaps], axis=1)
+            going = np.abs(residual).max(axis=1, initial=0.0) >= CORNER_MM
+            rows, residual = rows[going], residual[going]
+            if not len(rows):
+                break
+            slopes = np.stack([slope for _, slope in gaps], axis=1)[going]
+            meet[rows] -= np.einsum("kij,kj->ki", np.linalg.pinv(slopes), residual)
+        return meet
+
+    def _gap(self, of: Indices, radius: Array, point: Array, way: Array, at: Array) -> tuple[Array, Array]:
+        """Signed distance (k,) of points from set-back segments' carriers, circles or tangent lines, and its
+        gradient (k, 2)."""
+        ray = at - self.centre[of]
+        reach = np.hypot(*ray.T)
+        from_line = np.einsum("ki,ki->k", at - point, _left(way))
+        round_ = self._round[of]
+        return (
+            np.where(round_, reach - radius[of], from_line),
+            np.where(round_[:, None], ray / np.where(reach > 0, reach, 1.0)[:, None], _left(way)),
+        )
+
+    def _controls(self, back: Array) -> Array:
+        """Inner control points (k, 2, 2): the legs of the control polygon set back in parallel (Tiller and
+        Hanson, 1984)."""
+        inner = np.zeros((len(back), 2, 2))
+        i = np.flatnonzero(self._bezier)
+        p, shift = self.points[i], back[i, None]
+        ways = _unit(np.diff(p, axis=1)).swapaxes(0, 1)
+        for k in (0, 1):
+            d, e = ways[k], ways[k + 1]
+            straight = np.abs(_cross(d, e)) < SMOOTH
+            meet = _crossing(p[:, k] + shift * _left(d), d, p[:, k + 1] + shift * _left(e), e)
+            inner[i, k] = np.where(straight[:, None], p[:, k + 1] + shift * _left(d), meet)
+        return inner
 
 
-def _evened(segments: Sequence[Segment], flares: Sequence[float]) -> list[float]:
-    """Flares made equal across smooth joints, save those of a fillet, which adapts."""
-    back = list(flares)
-    n = len(segments)
-    changed = True
-    while changed:
-        changed = False
-        for i in range(n):
-            j = (i + 1) % n
-            if (
-                _is_fillet(segments, i)
-                or _is_fillet(segments, j)
-                or not _smooth(segments[i], segments[j], EVEN)
-            ):
-                continue
-            least = min(back[i], back[j])
-            changed |= back[i] != back[j]
-            back[i] = back[j] = least
-    return back
+def _crossing(p: Array, d: Array, q: Array, e: Array) -> Array:
+    """Where lines through p and q (k, 2) along d and e cross; not finite where they are parallel."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return p + d * (_cross(q - p, e) / _cross(d, e))[:, None]
 
 
-def _is_fillet(segments: Sequence[Segment], i: int) -> bool:
-    """An arc tangent to a line on either side, which make a corner (a slot's end does not)."""
-    before, arc, after = segments[i - 1], segments[i], segments[(i + 1) % len(segments)]
-    if not (isinstance(arc, Arc) and isinstance(before, Line) and isinstance(after, Line)):
-        return False
-    if not (_smooth(before, arc) and _smooth(arc, after)):
-        return False
-    one, two = tangent(before, 1), tangent(after, 0)
-    return abs(one[0] * two[1] - one[1] * two[0]) > EVEN and abs(arc.sweep_rad) < math.pi
-
-
-def _fillet(segments: Sequence[Segment], back: Sequence[float], i: int) -> tuple[Array, Array, Array]:
-    """Start, end and centre of the arc that rounds the corner of its two lines, set back by their own
-    flares."""
-    arc = segments[i]
-    assert isinstance(arc, Arc)
-    n = len(segments)
-    before, after = (i - 1) % n, (i + 1) % n
-    radius = _fillet_radius(arc, back[before], back[after])
-    side = 1.0 if arc.ccw else -1.0  # the centre lies to the left of a counter-clockwise arc
-    lines = [
-        (_offset_point(segments[k], end, back[k] + side * radius), tangent(segments[k], end))
-        for k, end in ((before, 1), (after, 0))
-    ]
-    centre = _crossing(*lines)
-    feet = [centre - side * radius * _left(direction) for _, direction in lines]
-    return feet[0], feet[1], centre
-
-
-def _fillet_radius(arc: Arc, before: float, after: float) -> float:
-    """Concentric where that leaves enough of the radius, else the radius itself: an oblique wall."""
-    least = min(before, after)
-    if not arc.ccw:
-        return arc.radius + least
-    return arc.radius - least if arc.radius - least > SHARE * arc.radius else arc.radius
-
-
-def _corner(a: Segment, back_a: float, b: Segment, back_b: float) -> Array:
-    """Where two set-back segments meet."""
-    at = np.array(b.start)
-    if _smooth(a, b):
-        return at + back_a * _left(tangent(b, 0))
-    line_a = (_offset_point(a, 1, back_a), tangent(a, 1))
-    line_b = (_offset_point(b, 0, back_b), tangent(b, 0))
-    meet = _crossing(line_a, line_b)
-    # On arcs the tangents only give the first guess: Newton on both offset curves' equations.
-    for _ in range(20):
-        residual = np.array([_gap(a, back_a, line_a, meet), _gap(b, back_b, line_b, meet)])
-        if np.abs(residual).max() < 1e-13:
-            break
-        if not np.isfinite(meet).all():
-            break
-        slopes = np.array([_gap_slope(a, line_a, meet), _gap_slope(b, line_b, meet)])
-        meet = meet - np.linalg.lstsq(slopes, residual)[0]
-    return meet
-
-
-def _gap(segment: Segment, back: float, line: tuple[Array, Array], at: Array) -> float:
-    """Signed distance of a point from a set-back segment's carrier: its circle, or the tangent line."""
-    if isinstance(segment, Arc):
-        return float(np.linalg.norm(at - segment.centre)) - _radius(segment, back)
-    return float((at - line[0]) @ _left(line[1]))
-
-
-def _gap_slope(segment: Segment, line: tuple[Array, Array], at: Array) -> Array:
-    if isinstance(segment, Arc):
-        ray = at - segment.centre
-        return ray / np.linalg.norm(ray)
-    return _left(line[1])
-
-
-def _between(segment: Segment, back: float, start: Array, end: Array, centre: Array | None) -> Segment:
-    a, b = (float(start[0]), float(start[1])), (float(end[0]), float(end[1]))
-    match segment:
-        case Line():
-            return Line(a, b)
-        case Arc():
-            at = segment.centre if centre is None else (float(centre[0]), float(centre[1]))
-            return Arc(a, b, at, segment.ccw)
-        case Bezier():
-            return _moved_bezier(segment, back, start, end)
-        case Circle():
-            raise ValueError("a circle is a loop by itself")
-
-
-def _moved_bezier(curve: Bezier, back: float, start: Array, end: Array) -> Bezier:
-    """The legs of the control polygon set back in parallel (Tiller and Hanson, 1984)."""
-    p = [np.array(q) for q in curve.controls]
-    legs = [(p[i] + back * _left(_unit(p[i + 1] - p[i])), _unit(p[i + 1] - p[i])) for i in range(3)]
-    inner: list[Array] = []
-    for one, two, control in ((legs[0], legs[1], p[1]), (legs[1], legs[2], p[2])):
-        straight = abs(one[1][0] * two[1][1] - one[1][1] * two[1][0]) < SMOOTH
-        inner.append(control + back * _left(one[1]) if straight else _crossing(one, two))
-    points = [(float(q[0]), float(q[1])) for q in (start, *inner, end)]
-    return Bezier(points[0], points[1], points[2], points[3])
-
-
-def _radius(segment: Arc | Circle, back: float) -> float:
-    """Of the concentric arc; not above 0 where the set-back closes it."""
-    return segment.radius - back if segment.ccw else segment.radius + back
-
-
-def _turned_over(old: Segment, new: Segment) -> bool:
-    """Whether a segment has vanished, or runs the other way: the corners beside it have met."""
-    if isinstance(new, Circle):
-        return new.radius <= 0
-    ahead = [np.subtract(s.end, s.start) for s in (old, new)]
-    if not np.isfinite(ahead[1]).all() or new.start == new.end:
-        return True
-    if isinstance(old, Arc) and isinstance(new, Arc):
-        astray = abs(math.dist(new.end, new.centre) - new.radius) > SMOOTH * new.radius
-        return astray or abs(new.sweep_rad - old.sweep_rad) > MOST_TURN_RAD
-    return float(ahead[0] @ ahead[1]) < SHORTEST * float(ahead[0] @ ahead[0])
-
-
-@lru_cache(maxsize=1 << 17)  # each corner is asked for many times
-def tangent(segment: Segment, end: int) -> Array:
-    """Unit direction of travel at the start (0) or end (1)."""
-    match segment:
-        case Line(start, stop):
-            return _unit(np.subtract(stop, start))
-        case Bezier():
-            return _unit(np.array(segment.derivative(float(end))))
-        case Arc() | Circle():
-            ray = np.subtract(segment.end if end else segment.start, segment.centre)
-            return _unit(_left(ray) if segment.ccw else -_left(ray))
-
-
-def _smooth(a: Segment, b: Segment, sine: float = SMOOTH) -> bool:
-    one, two = tangent(a, 1), tangent(b, 0)
-    return abs(one[0] * two[1] - one[1] * two[0]) < sine and float(one @ two) > 0
-
-
-def _offset_point(segment: Segment, end: int, back: float) -> Array:
-    return np.array(segment.end if end else segment.start) + back * _left(tangent(segment, end))
-
-
-def _crossing(a: tuple[Array, Array], b: tuple[Array, Array]) -> Array:
-    """Where two lines (point, direction) cross."""
-    (p, d), (q, e) = a, b
-    turn = d[0] * e[1] - d[1] * e[0]
-    gap = q - p
-    return p + d * (gap[0] * e[1] - gap[1] * e[0]) / turn
+def _cross(a: Array, b: Array) -> Array:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 def _left(d: Array) -> Array:
-    return np.array([-d[1], d[0]])
+    return np.stack([-d[..., 1], d[..., 0]], axis=-1)
 
 
 def _unit(d: Array) -> Array:
-    return d / math.hypot(d[0], d[1])
+    length = np.hypot(d[..., 0], d[..., 1])
+    return d / np.where(length > 0, length, 1.0)[..., None]

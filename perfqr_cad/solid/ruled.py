@@ -51,7 +51,7 @@ def oblique(top: Arcs, bottom: Arcs, spans: int, rows: Indices) -> tuple[SplineS
 
 def spans_of(top: Arcs, bottom: Arcs) -> Indices:
     """In how many rational spans the wall between two arcs is made, (k,)."""
-    return np.array([quarters(angle) for angle in np.maximum(top.sweep, bottom.sweep).tolist()], np.int64)
+    return quarters(np.maximum(top.sweep, bottom.sweep))
 
 
 def _rational(arcs: Arcs, spans: int) -> tuple[Array, Array]:

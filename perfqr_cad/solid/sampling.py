@@ -14,6 +14,8 @@ from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Segment
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+LEAST_OF_CIRCLE = 8  # chords of a whole circle, however small
+
 
 def by_kind(segments: Sequence[Segment]) -> dict[type, Indices]:
     """Indices of the lines, the Béziers and the round segments (under `Arc`)."""
@@ -92,16 +94,41 @@ def rounds(segments: Sequence[Segment]) -> Rounds:
     return Rounds(centre, np.hypot(*(start - centre).T), begin, np.where(ccw, turn, turn - math.tau))
 
 
-def sweep(segment: Arc | Circle) -> float:
-    """Signed angle swept, rad; positive counter-clockwise."""
-    if isinstance(segment, Arc):
-        return segment.sweep_rad
-    return math.tau if segment.ccw else -math.tau
+def pieces(segments: Sequence[Segment], tolerance_mm: float) -> Indices:
+    """In how many equal pieces each segment is to be cut so that chords stay so close, (k,); as
+    `Segment.flatten`."""
+    counts = np.ones(len(segments), np.int64)
+    kinds = by_kind(segments)
+    if len(rows := kinds[Arc]):
+        _, radius, _, sweep_rad = rounds([segments[i] for i in rows.tolist()])
+        most = np.where(
+            radius > tolerance_mm,
+            2 * np.arccos(1 - tolerance_mm / np.maximum(radius, tolerance_mm)),
+            math.pi / 2,
+        )
+        least = np.where(np.abs(sweep_rad) == math.tau, LEAST_OF_CIRCLE, 1)
+        counts[rows] = np.maximum(least, np.ceil(np.abs(sweep_rad) / most))
+    if len(rows := kinds[Bezier]):
+        p = np.array([s.controls for i in rows.tolist() if isinstance(s := segments[i], Bezier)])
+        bend = np.linalg.norm(np.diff(p, 2, axis=1), axis=2).max(axis=1)
+        counts[rows] = np.maximum(1, np.ceil(np.sqrt(0.75 * bend / tolerance_mm)))
+    return counts
 
 
-def quarters(angle_rad: float) -> int:
-    """How many quarter turns, or parts of one, an angle takes: the spans of an arc as rational quadratics."""
-    return max(1, math.ceil(angle_rad / (math.pi / 2) - 1e-9))
+def corners(segments: Sequence[Segment], counts: Indices) -> Array:
+    """Corners (n, 2) of loops whose segments are cut in so many equal pieces each."""
+    starts = np.cumsum(counts) - counts
+    found = np.empty((int(counts.sum()), 2))
+    for count in np.unique(counts).tolist():
+        rows = np.flatnonzero(counts == count)
+        points = positions([segments[i] for i in rows.tolist()], np.arange(count) / count)
+        found[starts[rows][:, None] + np.arange(count)] = points
+    return found
+
+
+def quarters(angle_rad: Array) -> Indices:
+    """How many quarter turns, or parts of one, angles (k,) take: the spans of arcs as rational quadratics."""
+    return np.maximum(1, np.ceil(angle_rad / (math.pi / 2) - 1e-9)).astype(np.int64)
 
 
 def _ends(segments: Sequence[Segment]) -> tuple[Array, Array]:

@@ -16,10 +16,9 @@ from perfqr_cad.pattern.outline import LEAST_MM, Arc, Circle, Loop, Region
 
 from .caps import Cap, caps
 from .chart import Level, Well
-from .flare import settled
+from .flare import Flared, settled
 from .offset import widened
 from .recess import Mark, Top, crossings, landings, recessed, top_depth_mm
-from .sampling import Array
 from .walls import Walls
 
 # Steps from an edge to those that shorten it as they are set back; a rounded corner may lie between.
@@ -142,18 +141,19 @@ def _floors(front: Sequence[Region]) -> list[int]:
 
 @dataclass(frozen=True)
 class _Path:
-    """A loop of the front, and by how much its segments are set back at the far end; None where straight."""
+    """A loop of the front, and the same at the far end; None where straight."""
 
     loop: Loop
     piece: int
-    flares_mm: Array | None
+    flared: Flared | None
 
     def clear_of(self, bars: Sequence[Bridge], marks: dict[int, list[Mark]]) -> _Path:
         """The path, the edges that bars stand on upright, so that their slots stay narrow and dark, and the
         segments beside them set back by no more than those can lose."""
-        if self.flares_mm is None:
+        if self.flared is None:
             return self
-        flares, n = self.flares_mm.copy(), len(self.flares_mm)
+        flares = self.flared.set_back_mm.copy()
+        n = len(flares)
         for s, found in marks.items():
             edge = self.loop.segments[s]
             flares[s] = 0.0
@@ -162,7 +162,7 @@ class _Path:
                 for step in BESIDE:
                     k = (s + way * step) % n
                     flares[k] = min(flares[k], max(room / 2, 0.0))
-        return replace(self, flares_mm=flares)
+        return replace(self, flared=Flared(widened([self.loop], flares)[0], flares))
 
     def well(
         self,
@@ -177,23 +177,25 @@ class _Path:
         loops: list[Loop] = []
         for level in levels:
             share = (level.depth_mm - walls.lip_mm) / (reach_mm - walls.lip_mm)
-            if self.flares_mm is None or share <= 0:
+            if self.flared is None or share <= 0:
                 loops.append(self.loop)
+            elif share == 1:
+                loops.append(self.flared.loop)
             else:
-                loops.append(widened(self.loop, self.flares_mm, share))
+                loops += widened([self.loop], self.flared.set_back_mm, share)
         return Well(tuple(loops), levels, floor, piece=self.piece)
 
 
 def _paths(front: Sequence[Region], flare_mm: float, min_web_mm: float, rim: bool) -> list[_Path]:
     """Every loop of the front, outlines before holes; the first outline straight."""
     loops = [(loop, piece) for piece, region in enumerate(front) for loop in region.loops]
-    flares: list[Array | None] = [None] * len(loops)
+    flared: list[Flared | None] = [None] * len(loops)
     if flare_mm and len(loops) > 1:
         outer = front[0].outer
         if not rim:
             outer = _around([loop for loop, _ in loops[1:]], 2 * flare_mm + min_web_mm)
-        flares[1:] = settled([Region(outer, front[0].holes), *front[1:]], flare_mm, min_web_mm)
-    return [_Path(loop, piece, back) for (loop, piece), back in zip(loops, flares, strict=True)]
+        flared[1:] = settled([Region(outer, front[0].holes), *front[1:]], flare_mm, min_web_mm)
+    return [_Path(loop, piece, far) for (loop, piece), far in zip(loops, flared, strict=True)]
 
 
 def _around(loops: Sequence[Loop], margin_mm: float) -> Loop:

@@ -51,8 +51,9 @@ class Triangles:
         edges = self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
         key = edges[:, 0] * len(self.vertices) + edges[:, 1]
         opposite = edges[:, 1] * len(self.vertices) + edges[:, 0]
-        unique = np.unique(key)
-        return len(unique) == len(key) and np.array_equal(unique, np.unique(opposite))
+        key.sort()
+        opposite.sort()
+        return bool((np.diff(key) > 0).all()) and np.array_equal(key, opposite)
 
     def joined(self, *others: Triangles) -> Triangles:
         """This mesh and others as one list of triangles; the bodies stay apart."""

@@ -10,8 +10,7 @@ from OCP.BRepCheck import BRepCheck_Analyzer
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.outline import Arc, Circle, Line, Loop, Region
 from perfqr_cad.solid import Walls, build_region
-from perfqr_cad.solid.flare import flares, webs
-from perfqr_cad.solid.offset import widened
+from perfqr_cad.solid.flare import Outlines, settled
 from perfqr_cad.surface import Plane
 
 OUTER = Loop.from_points([(-10, -10), (10, -10), (10, 10), (-10, 10)])
@@ -70,12 +69,10 @@ def test_webs_keep_their_least_width() -> None:
     """A web of 1 mm between two squares: half of what it has over 0.8 mm on either side, the rest
     untouched."""
     region = Region(OUTER, (square(-2.5, 0, 2), square(2.5, 0, 2)))
-    left, _ = flares([region], 0.35, 0.8)
-    assert sorted(left.tolist()) == pytest.approx([0.1, 0.35, 0.35, 0.35])
-    back = Region(
-        OUTER, tuple(widened(h, f) for h, f in zip(region.holes, flares([region], 0.35, 0.8), strict=True))
-    )
-    assert min(w.min() for w in webs([back], 1.0)) == pytest.approx(0.8)
+    left, right = settled([region], 0.35, 0.8)
+    assert sorted(left.set_back_mm.tolist()) == pytest.approx([0.1, 0.35, 0.35, 0.35])
+    back = Region(OUTER, (left.loop, right.loop))
+    assert Outlines.of([back]).webs(1.0).min() == pytest.approx(0.8)
     solid = build_region(region, Plane(2.0), Walls(draft_deg=10.0), min_web_mm=0.8)
     assert solid.valid
 
