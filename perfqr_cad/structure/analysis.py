@@ -16,7 +16,7 @@ from perfqr_cad.structure.loads import Load, Loads, Support, Weight
 from perfqr_cad.structure.materials import Material
 from perfqr_cad.structure.materials import material as material_named
 from perfqr_cad.structure.measure import Discs, von_mises
-from perfqr_cad.structure.model import Model, build_model, forces_of
+from perfqr_cad.structure.model import Model, build_model, forces_of, unknowns
 from perfqr_cad.structure.patches import Patches
 from perfqr_cad.structure.quilt import patched
 from perfqr_cad.structure.seeding import Grain
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
 
 MESH_SIZE_MODULES = 2 / 3  # largest element edge, in modules: see docs/strength.md, refinement
+MOST_UNKNOWNS = 1_500_000  # of the mesh that is tried first; a coarser one is 1 to 1.5 % off
 CORNER_NOZZLES = 1.0  # element edges at sharp re-entrant corners
 LAYER_MESH_SIZES = 0.25  # edges next to free walls, where twisting has its boundary layer
 TOLERANCE_NOZZLES = 0.05  # how far the outline may move in the model
@@ -62,6 +63,7 @@ def analyse(
         yield_mpa=yield_mpa,
         nozzle_mm=nozzle_mm,
         mesh_size_mm=mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm,
+        most_unknowns=MOST_UNKNOWNS if mesh_size_mm is None else None,
         lattice=lattice_of(pattern),
         solver=solver,
         patches=patches,
@@ -84,6 +86,7 @@ def analyse_region(
     yield_mpa: float | None = None,
     nozzle_mm: float = DEFAULT_NOZZLE_MM,
     mesh_size_mm: float,
+    most_unknowns: int | None = None,
     thin: Sequence[ThinPart] = (),
     lattice: Lattice | None = None,
     solver: str | None = None,
@@ -92,8 +95,9 @@ def analyse_region(
     """The stress field of a light region (mm, in the pattern plane) as a Reissner-Mindlin shell.
 
     `thin` are parts of it that do not fill the wall. Several loads act together. `yield_mpa` None takes the
-    material's. `mesh_size_mm` is the largest element edge. `solver` is "CHOLMOD", "SuperLU" or None for the
-    best one installed. `patches` are meshes of tiles to use again, on one lattice and with one mesh size.
+    material's. `mesh_size_mm` is the largest element edge; a mesh of more than `most_unknowns` is made
+    coarser once. `solver` is "CHOLMOD", "SuperLU" or None for the best one installed. `patches` are meshes of
+    tiles to use again, on one lattice and with one mesh size.
 
     Raises:
         AnalysisError: the region is empty, not finite, in pieces or not held, or a figure is out of range.
@@ -106,6 +110,7 @@ def analyse_region(
         support,
         nozzle_mm=nozzle_mm,
         mesh_size_mm=mesh_size_mm,
+        most_unknowns=most_unknowns,
         thin=thin,
         lattice=lattice,
         bends=bends_only(load),
@@ -127,6 +132,7 @@ def prepare(
     mesh_size_mm: float,
     corner_size_mm: float | None = None,
     layer_size_mm: float | None = None,
+    most_unknowns: int | None = None,
     thin: Sequence[ThinPart] = (),
     lattice: Lattice | None = None,
     bends: bool = True,
@@ -147,17 +153,29 @@ def prepare(
             raise AnalysisError(f"{label} is {value} mm; it must be a positive number")
     domain = clean(polygon)
     lattice = lattice or Lattice(TILE_MESH_SIZES * mesh_size_mm)
-    grain = Grain(
+    grain = grain_of(mesh_size_mm, nozzle_mm, corner_size_mm, layer_size_mm)
+    classes = by_thickness(domain, thin, placement.thickness_mm)
+    flat = placement.is_flat and bends
+    quilt = patched(list(classes.values()), lattice, patches or Patches(grain))
+    if most_unknowns is not None and unknowns(quilt.mesh, flat) > most_unknowns:
+        grain = grain.coarser()
+        quilt = patched(list(classes.values()), lattice, Patches(grain))
+    held = support if isinstance(support, Support) else Support(support)  # type: ignore[arg-type]
+    return build_model(quilt, domain, placement, material, held, grain.size_mm, flat, tuple(classes))
+
+
+def grain_of(
+    mesh_size_mm: float,
+    nozzle_mm: float,
+    corner_size_mm: float | None = None,
+    layer_size_mm: float | None = None,
+) -> Grain:
+    """The grain of a mesh; see `prepare`."""
+    return Grain(
         size_mm=mesh_size_mm,
         corner_mm=corner_size_mm or CORNER_NOZZLES * nozzle_mm,
         layer_mm=LAYER_MESH_SIZES * mesh_size_mm if layer_size_mm is None else layer_size_mm,
         tolerance_mm=TOLERANCE_NOZZLES * nozzle_mm,
-    )
-    classes = by_thickness(domain, thin, placement.thickness_mm)
-    quilt = patched(list(classes.values()), lattice, patches or Patches(grain))
-    held = support if isinstance(support, Support) else Support(support)  # type: ignore[arg-type]
-    return build_model(
-        quilt, domain, placement, material, held, mesh_size_mm, placement.is_flat and bends, tuple(classes)
     )
 
 

@@ -188,9 +188,9 @@ def _windows(pattern: Pattern, start: Floats, end: Floats, width: Floats) -> tup
 
 
 def _centres(pattern: Pattern, modules: Ints) -> Floats:
-    n = pattern.symbol.size
-    places: Floats = np.stack([modules[..., 1] + 0.5 - n / 2, n / 2 - modules[..., 0] - 0.5], axis=-1)
-    return places * pattern.module_mm
+    n, m = pattern.symbol.size, pattern.module_mm
+    x, y = modules[..., 1] + 0.5 - n / 2, n / 2 - modules[..., 0] - 0.5
+    return np.multiply(m, np.stack([x, y], axis=-1))
 
 
 def _entered(

@@ -102,6 +102,11 @@ class Model:
         return vector.reshape(-1, shell.DOFS)[:, :3]
 
 
+def unknowns(mesh: Mesh, flat: bool) -> int:
+    """How many a model on a mesh has, held ones too."""
+    return len(mesh.nodes) * (plate.DOFS if flat else shell.DOFS)
+
+
 def build_model(
     quilt: Quilt,
     domain: Polygon,

@@ -20,6 +20,7 @@ from perfqr_cad.structure.analysis import (
     MESH_SIZE_MODULES,
     analyse,
     bends_only,
+    grain_of,
     lattice_of,
     prepare,
 )
@@ -32,6 +33,7 @@ from perfqr_cad.structure.materials import material as material_named
 from perfqr_cad.structure.model import forces_of
 from perfqr_cad.structure.optimal import ROUND_GAIN, OptimalChoice, worth
 from perfqr_cad.structure.paper import PaperChoice
+from perfqr_cad.structure.patches import Patches
 from perfqr_cad.structure.reanalysis import Reanalysis
 from perfqr_cad.structure.reinforcement import STRONG, Reinforcement
 from perfqr_cad.surface import Placement
@@ -55,8 +57,9 @@ class _Job:
     support: Support | str
     yield_mpa: float
     nozzle_mm: float
-    mesh_size_mm: float
+    mesh_size_mm: float | None
     solver: str | None
+    patches: Patches
 
     def check(self, pattern: Pattern) -> StressField:
         """The stress field on a conforming mesh."""
@@ -70,6 +73,7 @@ class _Job:
             nozzle_mm=self.nozzle_mm,
             mesh_size_mm=self.mesh_size_mm,
             solver=self.solver,
+            patches=self.patches,
         )
 
     def reanalysis(self, pattern: Pattern) -> Reanalysis:
@@ -119,8 +123,8 @@ def reinforce(
     limit = stuff.yield_mpa if yield_mpa is None else yield_mpa
     if not limit > 0.0:
         raise AnalysisError(f"yield stress is {limit} MPa; it must be a positive number")
-    size = mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm
-    job = _Job(placement, stuff, load, support, limit, nozzle_mm, size, solver)
+    patches = Patches(grain_of(mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm, nozzle_mm))
+    job = _Job(placement, stuff, load, support, limit, nozzle_mm, mesh_size_mm, solver, patches)
     allowance = Allowance.of(pattern)
     chooser = OptimalChoice(allowance) if method == "optimal" else PaperChoice(allowance, loss_weight)
     return _run(pattern, job, chooser, method)

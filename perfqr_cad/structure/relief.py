@@ -25,8 +25,9 @@ class Shortlist:
     """Bars k of d modes each.
 
     `now` (r, 5) tensors at hot places, `relief` (r·5, k, d) what a unit force of each mode takes off them,
-    `flexibility` (k, d, k, d) and `strain` (k, d) of the part under the modes, `own` (k, e, 5, d) tensors in the
-    bar itself, `under` (r, k) which places a bar covers, `clash` (k, k) which bars stand in each other's way.
+    `flexibility` (k, d, k, d) and `strain` (k, d) of the part under the modes, `own` (k, e, 5, d) tensors in
+    the bar itself, `under` (r, k) which places a bar covers, `clash` (k, k) which bars stand in each other's
+    way.
     """
 
     now: Floats
@@ -106,9 +107,9 @@ def greedy(bars: Shortlist, price: Floats, aim_mpa: float, least_gain: float, mo
 
 def power_mean(stress: Floats) -> Floats:
     """A smooth stand-in for the largest stress along the last axis: the NORM-th root of the sum of powers."""
-    top = np.maximum(stress.max(axis=-1), np.finfo(float).tiny)
-    shares: Floats = ((stress / top[..., None]) ** NORM).sum(axis=-1)
-    return top * shares ** (1.0 / NORM)
+    top: Floats = np.maximum(stress.max(axis=-1), np.finfo(float).tiny)
+    share: Floats = stress / top[..., None]
+    return top * np.asarray((share**NORM).sum(axis=-1), np.float64) ** (1.0 / NORM)
 
 
 def power_mean_slope(tensors: Floats) -> Floats:

@@ -5,7 +5,7 @@ A mesher that is given these nodes fills the inside to match, so the grading is 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from perfqr_cad.structure.t6 import Floats
 
 REENTRANT_DEG = 50.0  # a gentler bend, as between two chords of a fillet, needs no finer mesh
 GROWTH = 2.0  # length of an edge over that of the one nearer to the corner
+COARSENING = 1.5  # of edges from one grain to the next
 LAYER_SHARE = 0.7  # of an edge: what its layers may take up at most
 
 Flags = NDArray[np.bool_]
@@ -28,6 +29,10 @@ class Grain:
     corner_mm: float
     layer_mm: float
     tolerance_mm: float
+
+    def coarser(self) -> Grain:
+        """The next grain: larger edges, and none finer where seams meet free walls."""
+        return replace(self, size_mm=COARSENING * self.size_mm, layer_mm=0.0)
 
     def scaled(self, factor: float) -> Grain:
         """The grain in another unit of length."""
