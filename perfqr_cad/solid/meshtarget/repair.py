@@ -21,7 +21,7 @@ WELD_SHARE = 1e-6  # of the diagonal: single-precision files round corners by ab
 FILL_SHARE = 0.15
 DUST_SHARE = 1e-6  # of the greatest body's volume: pieces below are rubbish from modelling
 SHORTEST = 1e-9
-PROBES = 64  # vertices that tell whether one surface lies inside another
+PROBES = 16  # vertices that tell whether one surface lies inside another
 PATCH_EDGES = 4  # rims of so few edges are a lost triangle or two
 INNER = 1e-7  # of a segment or triangle: touching at ends and rims is no crossing
 FLAT = 1e-12  # of the sizes involved: a segment in the plane of a triangle does not cross it
@@ -51,8 +51,9 @@ def mend(mesh: Triangles, part: int | None = None) -> Mended:
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     welded, _ = weld(mesh.vertices, mesh.faces, WELD_SHARE * diagonal)
     faces, duplicates = _without_doubles(welded)
+    _refuse_branches(faces)
     vertices, faces, gaps = _filled(welded.vertices, faces, FILL_SHARE * diagonal)
-    _refuse_non_manifold(faces)
+    _refuse_branches(faces)
     faces = _consistent(faces)
     bodies, dust = _bodies(Triangles(vertices, faces))
     crossing = sum(self_crossings(body) for body in bodies)
@@ -133,14 +134,14 @@ def _loops(rims: Index) -> tuple[list[list[int]], int]:
     return loops, 0
 
 
-def _refuse_non_manifold(faces: Index) -> None:
+def _refuse_branches(faces: Index) -> None:
+    """Raises `KernelError` with the number of edges at which three triangles or more meet."""
     edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     counts = np.unique(edges, axis=0, return_counts=True)[1]
-    if (bad := int((counts != 2).sum())) > 0:
+    if (bad := int((counts > 2).sum())) > 0:
         raise KernelError(
-            f"the mesh is not a surface of a body: {bad} edges have other than two triangles: remove "
-            f"inner walls and "
-            "doubled sheets in the program it comes from"
+            f"the mesh is not a surface of a body: {bad} edges have more than two triangles: remove inner "
+            f"walls, fins and doubled sheets in the program it comes from"
         )
 
 
@@ -163,20 +164,17 @@ def _bodies(mesh: Triangles) -> tuple[list[Triangles], int]:
     pieces = [_outward(_compact(mesh, label == k)) for k in range(int(label.max()) + 1)]
     pieces.sort(key=lambda m: -m.volume_mm3)
     solid = [p for p in pieces if p.volume_mm3 > DUST_SHARE * pieces[0].volume_mm3]
-    depth = [sum(_inside(p, q) for q in solid if q is not p) for p in solid]
-    bodies = [p for p, d in zip(solid, depth, strict=True) if d % 2 == 0]
-    cavities = [p for p, d in zip(solid, depth, strict=True) if d % 2 == 1]
-    return [_with_cavities(body, cavities, bodies) for body in bodies], len(pieces) - len(solid)
-
-
-def _with_cavities(body: Triangles, cavities: list[Triangles], bodies: list[Triangles]) -> Triangles:
-    """The body joined with the turned surfaces of the cavities whose tightest body it is."""
-    own = [
-        Triangles(c.vertices, c.faces[:, ::-1])
-        for c in cavities
-        if min((b for b in bodies if _inside(c, b)), key=lambda b: b.volume_mm3) is body
-    ]
-    return body.joined(*own) if own else body
+    if not solid:
+        raise KernelError("the mesh encloses no volume: export a body, not a flat sheet")
+    around = [[k for k, q in enumerate(solid) if q is not p and _inside(p, q)] for p in solid]
+    cavities: dict[int, list[Triangles]] = {k: [] for k, outer in enumerate(around) if len(outer) % 2 == 0}
+    for piece, outer in zip(solid, around, strict=True):
+        if len(outer) % 2:  # greatest first: the last body around it is the tightest
+            owner = max(k for k in outer if k in cavities)
+            cavities[owner].append(Triangles(piece.vertices, piece.faces[:, ::-1]))
+    return [solid[k].joined(*own) if own else solid[k] for k, own in cavities.items()], len(pieces) - len(
+        solid
+    )
 
 
 def _compact(mesh: Triangles, chosen: NDArray[np.bool_]) -> Triangles:
@@ -190,6 +188,10 @@ def _outward(mesh: Triangles) -> Triangles:
 
 def _inside(inner: Triangles, outer: Triangles) -> bool:
     """Whether one closed mesh lies wholly inside another; surfaces that cross lie in none."""
+    if (inner.vertices.min(axis=0) < outer.vertices.min(axis=0)).any():
+        return False
+    if (inner.vertices.max(axis=0) > outer.vertices.max(axis=0)).any():
+        return False
     step = max(1, len(inner.vertices) // PROBES)
     return all(_winds_round(point, outer) for point in inner.vertices[::step])
 

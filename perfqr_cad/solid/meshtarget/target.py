@@ -93,6 +93,12 @@ class MeshTarget:
 
     def placement(self, size_mm: float) -> Placement:
         """Where a code of that edge lies. Raises `DesignError` with the reason and what works instead."""
+        longest = float(np.ptp(self.outer.vertices, axis=0).max())
+        if size_mm > longest:
+            raise DesignError(
+                f"a code of {size_mm:.4g} mm does not fit a body of {longest:.3g} mm: take it smaller, or if "
+                f"the file is not in mm give the longest edge (extent) or a factor (scale: 1000 for metres)"
+            )
         found = place(self.body, Wish(None, self.point, self.direction, self.up), size_mm, self._problem)
         laid = _projected(self.body, found, found.sheet_mm(self.depth_mm))
         laid.check(size_mm)
