@@ -77,9 +77,11 @@ class Grid:
 
 def convex_area(corners: Floats) -> float:
     """Area of a convex quadrilateral (4, 2) in either sense of rotation; 0 for any other."""
+    if not np.all(np.isfinite(corners)):
+        return 0.0
     edges = np.roll(corners, -1, axis=0) - corners
     turns = cross(edges, np.roll(edges, -1, axis=0))
-    if not (np.all(turns > 0) or np.all(turns < 0)) or not np.all(np.isfinite(corners)):
+    if not (np.all(turns > 0) or np.all(turns < 0)):
         return 0.0
     return float(abs(cross(corners[2] - corners[0], corners[3] - corners[1]))) / 2
 
@@ -97,9 +99,10 @@ def homography_of(source: Floats, target: Floats) -> Floats:
 
 
 def project(homography: Floats, points: Floats) -> Floats:
-    """(…, 2) points through a (3, 3) homography."""
+    """(…, 2) points through a (3, 3) homography; those on its horizon come out as no finite numbers."""
     lifted = points @ homography[:, :2].T + homography[:, 2]
-    return lifted[..., :2] / lifted[..., 2:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return lifted[..., :2] / lifted[..., 2:]
 
 
 def look_up(image: NDArray[Any], points: Floats) -> NDArray[np.float32]:

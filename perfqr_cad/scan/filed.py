@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from perfqr_cad.errors import DesignError, KernelError
+from perfqr_cad.scan.decoders import accepted
+from perfqr_cad.scan.facing import turned
+from perfqr_cad.scan.panel import shared
 from perfqr_cad.scan.placing import load_mesh
 from perfqr_cad.scan.proof import FULL, Plan, certify
 from perfqr_cad.scan.report import ScanReport
@@ -34,7 +38,7 @@ def part(
     text        what must come back; None: what the design.json says, or what the decoders agree on
     mesh_step   triangles of a STEP file; the solid modeller is not ours to call
     mesh_3mf    triangles of a 3MF file in mm; None: without its unit
-    placement   where the code lies; None: on the top of the part, the reader above
+    placement   where the code lies; None: on the top of a plate, else on the side from which it is read
 
     KernelError if the file cannot be read, DesignError if it is no kind of part.
     """
@@ -53,7 +57,12 @@ def part(
         triangles = mesh_step(path)
     else:
         raise DesignError(f"{path.name} is no part: give an .stl, .3mf or .step file, or a design.json")
-    return certify(triangles, placement, None, text, plan=plan, decoders=decoders, seed=seed)
+    behind, notes = None, ()
+    if placement is None:
+        right = None if text is None else accepted(text)
+        triangles, behind, notes = turned(triangles, shared(decoders), right)
+    report = certify(triangles, placement, None, text, plan=plan, decoders=decoders, seed=seed, behind=behind)
+    return replace(report, warnings=(*report.warnings, *notes))
 
 
 def _of_design(path: Path) -> tuple[Path, str | None]:

@@ -96,6 +96,33 @@ def test_part_from_step_is_meshed_by_the_caller(folder):
     assert asked == [step]
 
 
+def test_a_plate_that_stands_is_filmed_from_its_front(folder, tmp_path):
+    import trimesh
+
+    standing = trimesh.load(folder / "part.stl").apply_transform(
+        trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0])
+    )
+    standing.export(tmp_path / "standing.stl")
+    found = scan.part(tmp_path / "standing.stl", plan=ONCE, decoders=("zbar", "zxing-cpp"))
+    assert found.payload == "perfqr"
+    assert found.readers == ("zxing-cpp", "zbar") or found.readers == ("zbar", "zxing-cpp")
+    assert "front (-y)" in found.warnings[-1]
+
+
+def test_a_hollow_part_is_filmed_with_a_card_inside(folder, tmp_path):
+    import trimesh
+
+    lid = trimesh.load(folder / "part.stl").apply_translation([0, 0, 29.0])
+    trough = trimesh.creation.box((30, 30, 29)).apply_translation([0, 0, 14.5])
+    hollow = trough.difference(
+        trimesh.creation.box((40, 28, 29)).apply_translation([0, 0, 15.5])
+    )  # open at two sides
+    trimesh.util.concatenate([hollow, lid]).export(tmp_path / "hollow.stl")
+    found = scan.part(tmp_path / "hollow.stl", "perfqr", plan=ONCE, decoders=("zxing-cpp", "zbar"))
+    assert found.readers
+    assert [w for w in found.warnings if "card" in w]
+
+
 def test_what_is_no_part_is_refused(folder, tmp_path):
     with pytest.raises(DesignError, match="is no part"):
         scan.part(folder / "part.txt")
