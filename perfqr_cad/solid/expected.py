@@ -136,7 +136,8 @@ def _by_panels(segments: Sequence[Segment], flat: bool) -> dict[int, list[int]]:
         steps = np.diff(positions(segments, np.linspace(0.0, 1.0, NODES)), axis=1)
         length = np.hypot(steps[..., 0], steps[..., 1]).sum(axis=1)
         panels = np.maximum(panels, np.ceil(length / PANEL_MM).astype(np.int64))
-    return {count: np.flatnonzero(panels == count).tolist() for count in np.unique(panels).tolist()}
+    counts = np.flatnonzero(np.bincount(panels)).tolist()
+    return {count: np.flatnonzero(panels == count).tolist() for count in counts}
 
 
 def _swept(placement: Placement, depth_mm: float, origin: Array, box: tuple[Array, Array]) -> Swept:

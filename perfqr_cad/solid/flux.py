@@ -86,7 +86,7 @@ def _by_images(brep: Brep, faces: Indices, moment: Moment, run: Array) -> float:
         images, uses = batch.of[rows], batch.rows[rows]
         breaks, least = _breaks(images)
         panels = least * _panels(images, run)
-        for count in np.unique(panels).tolist():
+        for count in np.flatnonzero(np.bincount(panels)).tolist():
             chosen = np.flatnonzero(panels == count)
             node, weight = _rule(breaks, count)
             uv, slope = images[chosen].at(node)

@@ -113,8 +113,9 @@ def _manifold(brep: Brep) -> list[str]:
     size = 2 * len(brep.ends)
     graph = coo_array((np.ones(len(heads)), (heads, tails)), shape=(size, size))
     _, fan = connected_components(graph, directed=False)
-    pairs = np.unique(brep.ends.ravel() * size + fan)
-    doubled = np.flatnonzero(np.bincount(pairs // size) > 1)
+    pairs = np.sort(brep.ends.ravel() * size + fan)
+    fans = np.bincount(pairs[np.diff(pairs, prepend=-1) > 0] // size)
+    doubled = np.flatnonzero(fans > 1)
     return [f"the solid touches itself at the vertex {at(brep.points[v])}" for v in doubled]
 
 

@@ -119,7 +119,7 @@ def corners(segments: Sequence[Segment], counts: Indices) -> Array:
     """Corners (n, 2) of loops whose segments are cut in so many equal pieces each."""
     starts = np.cumsum(counts) - counts
     found = np.empty((int(counts.sum()), 2))
-    for count in np.unique(counts).tolist():
+    for count in np.flatnonzero(np.bincount(counts)).tolist():
         rows = np.flatnonzero(counts == count)
         points = positions([segments[i] for i in rows.tolist()], np.arange(count) / count)
         found[starts[rows][:, None] + np.arange(count)] = points

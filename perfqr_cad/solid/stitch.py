@@ -138,7 +138,7 @@ class Rings:
         depths = [level.depth_mm for well in wells for level in well.levels]
         depth = np.repeat(depths, np.repeat(self.size, [len(well.levels) for well in wells]))
         points = np.empty((int(self.vertex.max()) + 1, 3))
-        for level in np.unique(depth).tolist():
+        for level in sorted(set(depths)):
             here = np.flatnonzero(depth == level)
             points[self.vertex[here]] = chart.points(uv[here], level)
         return points

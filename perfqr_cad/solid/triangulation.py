@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import shapely
@@ -14,6 +15,9 @@ from .sampling import Array, Indices
 
 # The middle of a triangle strays by up to 4/3 of what its sides' middles do on a sphere.
 CAP_SHARE = 0.75
+# Corners of a face from which it pays to begin with the plain Delaunay triangulation.
+MANY = 20_000
+BASE = 1 << 31  # above any number of corners
 MOST_ROUNDS = 30  # of halving: far more than any smooth surface takes
 
 
@@ -27,17 +31,105 @@ def delaunay(polygons: Sequence[Array]) -> Indices:
         raise KernelError(
             f"the outline is no simple region ({shapely.is_valid_reason(outline)}): part its loops"
         )
-    corners = shapely.get_coordinates(shapely.constrained_delaunay_triangles(outline)).reshape(-1, 4, 2)[
-        :, :3
-    ]
-    # Triangles come as coordinates; each corner is found again by its exact value.
-    points, wanted = complex_of(np.vstack(polygons)), complex_of(corners.reshape(-1, 2))
-    order = np.argsort(points)
-    faces = order[np.searchsorted(points[order], wanted)].reshape(-1, 3)
+    points = np.vstack(polygons)
+    if len(points) > MANY:
+        patched = _patched(outline, polygons, points)
+        if len(patched) == len(points) + 2 * len(polygons) - 4:  # what Euler's formula asks for
+            return patched
+    return _cut(np.array([outline]), points)
+
+
+def _cut(regions: NDArray[np.object_], points: Array) -> Indices:
+    """Constrained Delaunay triangles of some regions, whose corners are among the points."""
+    return _indexed(shapely.constrained_delaunay_triangles(regions), points)
+
+
+def _indexed(triangles: Any, points: Array) -> Indices:
+    """Triangles by the places of their corners among the points."""
+    corners = shapely.get_coordinates(triangles)  # the first corner of each repeated
+    return _turned(_found(corners.reshape(-1, 4, 2)[:, :3].reshape(-1, 2), points).reshape(-1, 3), points)
+
+
+def _patched(outline: shapely.Polygon, polygons: Sequence[Array], points: Array) -> Indices:
+    """The same in less than quadratic time: the plain Delaunay triangles of all corners that no side of the
+    outline runs across, and the gaps between them cut by themselves.
+
+    What it gives may lack triangles where the plain triangulation has flat ones.
+    """
+    rim = np.concatenate(_sides(polygons))
+    kept = _uncrossed(outline, rim, points)
+    own = kept[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    known = np.sort(_key(own))
+    # Gaps have the sides of the outline on their left that no kept triangle has, and kept triangles around.
+    bare = rim[~among(_key(rim), known)]
+    shared = among(_key(own[:, ::-1]), known) | among(_key(own), np.sort(_key(rim)))
+    open_sides = np.concatenate([bare, own[~shared][:, ::-1]])
+    if not len(open_sides):
+        return kept
+    pieces = shapely.polygonize(np.asarray(shapely.linestrings(points[open_sides])))
+    gaps = np.asarray(shapely.orient_polygons(shapely.get_parts(pieces)))
+    rings = shapely.get_exterior_ring(gaps)
+    side = [_found(shapely.get_coordinates(shapely.get_point(rings, k)), points) for k in (0, 1)]
+    gaps = gaps[among(_key(np.column_stack(side)), np.sort(_key(open_sides)))]
+    return np.concatenate([kept, _cut(gaps, points)])
+
+
+def _uncrossed(outline: shapely.Polygon, rim: Indices, points: Array) -> Indices:
+    """The Delaunay triangles of all points that lie in the outline, to the left of its sides `rim` (n, 2)."""
+    faces = _indexed(shapely.delaunay_triangles(shapely.MultiPoint(points)), points)
+    sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    either = np.sort(np.concatenate([_key(sides), _key(sides[:, ::-1])]))
+    missing = points[rim[~among(_key(rim), either)]]
+    tree = shapely.STRtree(np.asarray(shapely.polygons(points[faces])))
+    _, crossed = tree.query(np.asarray(shapely.linestrings(missing)), predicate="crosses")
+    whole = np.ones(len(faces), np.bool_)
+    whole[crossed] = False
+    inside, outside = (
+        np.reshape(among(_key(sides), np.sort(_key(way))), (-1, 3)).any(axis=1) for way in (rim, rim[:, ::-1])
+    )
+    unknown = np.flatnonzero(whole & ~inside & ~outside)
+    shapely.prepare(outline)
+    within = shapely.contains_xy(outline, *points[faces[unknown]].mean(axis=1).T)
+    return faces[np.union1d(np.flatnonzero(whole & inside), unknown[within])]
+
+
+def _sides(polygons: Sequence[Array]) -> list[Indices]:
+    """The sides (n, 2) of each polygon by its corners' places among all, the region to the left."""
+    sides: list[Indices] = []
+    first = 0
+    for i, polygon in enumerate(polygons):
+        x, y = (polygon - polygon[0]).T
+        ccw = float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) > 0
+        corner = first + np.arange(len(polygon))
+        side = np.column_stack([corner, np.roll(corner, -1)])
+        sides.append(side if ccw == (i == 0) else side[:, ::-1])
+        first += len(polygon)
+    return sides
+
+
+def _key(sides: Indices) -> Indices:
+    """(n,) one number for each side (n, 2)."""
+    return sides[:, 0] * BASE + sides[:, 1]
+
+
+def among(numbers: Indices, known: Indices) -> NDArray[np.bool_]:
+    """Whether numbers are among others, which are sorted; `numpy.isin` takes ten times as long."""
+    return known[np.minimum(np.searchsorted(known, numbers), len(known) - 1)] == numbers
+
+
+def _found(wanted: Array, points: Array) -> Indices:
+    """The places of some points among all, by their exact values."""
+    known = complex_of(points)
+    order = np.argsort(known)
+    return order[np.searchsorted(known[order], complex_of(wanted))]
+
+
+def _turned(faces: Indices, points: Array) -> Indices:
+    """Triangles turned counter-clockwise, without flat ones."""
     a, b, c = (points[faces[:, i]] for i in range(3))
-    clockwise = ((b - a).conjugate() * (c - a)).imag < 0
-    faces[clockwise] = faces[clockwise][:, ::-1]
-    return faces
+    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    faces = np.where((area < 0)[:, None], faces[:, ::-1], faces)
+    return faces[area != 0]
 
 
 def refined(

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from OCP.BRepCheck import BRepCheck_Analyzer
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Loop, Region
-from perfqr_cad.solid import Walls, build_region
+from perfqr_cad.solid import Walls, build_region, triangulation
 from perfqr_cad.surface import Plane
 
 
@@ -108,3 +109,27 @@ def test_the_reader_sees_the_pattern_unmirrored() -> None:
     assert inner[:, 0].min() == pytest.approx(5.0)
     assert inner[:, 1].max() == pytest.approx(8.0)
     assert math.isclose(inner[:, 2].max(), 2.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_large_faces_are_cut_by_patches_as_small_ones_are_whole(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Dots, squares and slots in a grid: the same area in as many triangles, none flat, all corners used."""
+    kinds = [lambda x, y: square(x, y, 0.6), lambda x, y: dot(x, y, 0.7), lambda x, y: slot(x, y, 0.3, 0.4)]
+    kinds.append(lambda x, y: Loop.from_points([(x - 0.7, y), (x, y + 0.01), (x + 0.7, y), (x, y - 0.01)]))
+    chosen = np.random.default_rng(seed).integers(len(kinds), size=81)
+    holes = [kinds[k](2.0 * (i % 9) - 8, 2.0 * (i // 9) - 8) for i, k in enumerate(chosen.tolist())]
+    polygons = [loop.flatten() for loop in region(*holes).loops]
+    points = np.vstack(polygons)
+    cut: list[np.ndarray] = []
+    for many in (0, len(points)):
+        monkeypatch.setattr(triangulation, "MANY", many)
+        faces = triangulation.delaunay(polygons)
+        a, b, c = (points[faces[:, k]] for k in range(3))
+        areas = ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2
+        assert areas.min() > 0
+        assert len(np.unique(faces)) == len(points)
+        cut.append(areas)
+    assert len(cut[0]) == len(cut[1])
+    assert cut[0].sum() == pytest.approx(cut[1].sum(), rel=1e-12)
