@@ -21,6 +21,7 @@ from perfqr_cad.structure.patches import Patches
 from perfqr_cad.structure.quilt import patched
 from perfqr_cad.structure.seeding import Grain
 from perfqr_cad.structure.t6 import Floats
+from perfqr_cad.structure.taper import STRAIGHT, Taper
 from perfqr_cad.structure.tiling import Lattice
 from perfqr_cad.surface import Placement
 from perfqr_cad.units import grams
@@ -49,10 +50,14 @@ def analyse(
     yield_mpa: float | None = None,
     nozzle_mm: float = DEFAULT_NOZZLE_MM,
     mesh_size_mm: float | None = None,
+    flare_mm: float = 0.0,
     solver: str | None = None,
     patches: Patches | None = None,
 ) -> StressField:
-    """The stress field of a pattern, recessed bars with their own thickness; see `analyse_region`."""
+    """The stress field of a pattern, recessed bars with their own thickness; see `analyse_region`.
+
+    `flare_mm` is how far holes are wider at the back, to each side; see `Taper`.
+    """
     return analyse_region(
         pattern.polygon,
         placement,
@@ -65,6 +70,7 @@ def analyse(
         mesh_size_mm=mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm,
         most_unknowns=MOST_UNKNOWNS if mesh_size_mm is None else None,
         lattice=lattice_of(pattern),
+        taper=Taper.of(pattern.spec.web_mm, flare_mm),
         solver=solver,
         patches=patches,
     )
@@ -89,6 +95,7 @@ def analyse_region(
     most_unknowns: int | None = None,
     thin: Sequence[ThinPart] = (),
     lattice: Lattice | None = None,
+    taper: Taper = STRAIGHT,
     solver: str | None = None,
     patches: Patches | None = None,
 ) -> StressField:
@@ -119,7 +126,15 @@ def analyse_region(
     factor = model.factorise(solver)
     forces = forces_of(model, load, factor)
     displacement = factor.solve(np.where(model.fixed, 0.0, forces))
-    return field_of(model, displacement, forces, nozzle_mm=nozzle_mm, yield_mpa=yield_mpa, solver=factor.name)
+    return field_of(
+        model,
+        displacement,
+        forces,
+        nozzle_mm=nozzle_mm,
+        yield_mpa=yield_mpa,
+        taper=taper,
+        solver=factor.name,
+    )
 
 
 def prepare(
@@ -192,6 +207,7 @@ def field_of(
     *,
     nozzle_mm: float,
     yield_mpa: float | None,
+    taper: Taper,
     solver: str,
 ) -> StressField:
     """Stress, deflection and reactions of a solved model.
@@ -199,16 +215,17 @@ def field_of(
     Raises:
         AnalysisError: the reactions do not balance the load: the part is free to move.
     """
-    stress = model.corner_stresses(displacement)
+    stress = taper.stress * model.corner_stresses(displacement)
     hottest, measure = Discs(model.mesh, nozzle_mm).hottest(stress)
-    deflection = np.einsum("nc,nc->n", model.translations(displacement), model.frames[:, 2])
+    motion = taper.deflection * model.translations(displacement)
+    deflection = np.einsum("nc,nc->n", motion, model.frames[:, 2])
     lowest = int(np.argmax(np.abs(deflection)))
     load, reactions, balance = _balance(model, displacement, forces)
     volume = float(model.area_mm2 @ np.broadcast_to(model.section.thickness_mm, len(model.area_mm2)))
     return StressField(
         mesh=model.mesh,
         nodes_mm=model.positions,
-        displacement_mm=model.translations(displacement),
+        displacement_mm=motion,
         deflection_mm=deflection,
         stress_mpa=stress,
         max_stress_mpa=float(measure[0]),
@@ -228,6 +245,7 @@ def field_of(
         mesh_size_mm=model.mesh_size_mm,
         unknowns=int(np.count_nonzero(~model.fixed)),
         solver=solver,
+        taper=taper,
         warnings=_warnings(float(abs(deflection[lowest])), model.wall_mm),
     )
 

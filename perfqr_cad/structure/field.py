@@ -10,6 +10,7 @@ import numpy as np
 
 from perfqr_cad.structure.measure import Discs
 from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
+from perfqr_cad.structure.taper import STRAIGHT, Taper
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,7 @@ class StressField:
     `max_stress_mpa` is the largest von Mises stress of the tensor averaged over a disc of
     `disc_width_mm`: the figure to compare with the yield stress. `sharp_peak_mpa` is the largest at any node
     without averaging; it grows with every refinement and is given as what not to use.
+    `taper` is the factor for walls that flare; stresses and displacements have it in them, as upper bounds.
     `balance` is the unbalanced part of load and reactions over the load.
     """
 
@@ -48,6 +50,7 @@ class StressField:
     mesh_size_mm: float
     unknowns: int
     solver: str
+    taper: Taper = STRAIGHT
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

@@ -58,6 +58,7 @@ class _Job:
     yield_mpa: float
     nozzle_mm: float
     mesh_size_mm: float | None
+    flare_mm: float
     solver: str | None
     patches: Patches
 
@@ -72,6 +73,7 @@ class _Job:
             yield_mpa=self.yield_mpa,
             nozzle_mm=self.nozzle_mm,
             mesh_size_mm=self.mesh_size_mm,
+            flare_mm=self.flare_mm,
             solver=self.solver,
             patches=self.patches,
         )
@@ -107,12 +109,14 @@ def reinforce(
     method: Method = "optimal",
     nozzle_mm: float = DEFAULT_NOZZLE_MM,
     mesh_size_mm: float | None = None,
+    flare_mm: float = 0.0,
     loss_weight: float = 1.0,
     solver: str | None = None,
 ) -> Reinforcement:
     """Bridges until the largest stress is within `yield_mpa` (χ; None takes the material's yield stress).
 
-    `loss_weight` is λ of Eq. (5). "No affordable bridge is left" is a status, not an error.
+    `flare_mm` is as in `analyse`, `loss_weight` is λ of Eq. (5). "No affordable bridge is left" is a status,
+    not an error.
 
     Raises:
         AnalysisError: the pattern cannot be analysed, or a setting is unknown or out of range.
@@ -124,7 +128,7 @@ def reinforce(
     if not limit > 0.0:
         raise AnalysisError(f"yield stress is {limit} MPa; it must be a positive number")
     patches = Patches(grain_of(mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm, nozzle_mm))
-    job = _Job(placement, stuff, load, support, limit, nozzle_mm, mesh_size_mm, solver, patches)
+    job = _Job(placement, stuff, load, support, limit, nozzle_mm, mesh_size_mm, flare_mm, solver, patches)
     allowance = Allowance.of(pattern)
     chooser = OptimalChoice(allowance) if method == "optimal" else PaperChoice(allowance, loss_weight)
     return _run(pattern, job, chooser, method)

@@ -107,9 +107,9 @@ def greedy(bars: Shortlist, price: Floats, aim_mpa: float, least_gain: float, mo
 
 def power_mean(stress: Floats) -> Floats:
     """A smooth stand-in for the largest stress along the last axis: the NORM-th root of the sum of powers."""
-    top: Floats = np.maximum(stress.max(axis=-1), np.finfo(float).tiny)
-    share: Floats = stress / top[..., None]
-    return top * np.asarray((share**NORM).sum(axis=-1), np.float64) ** (1.0 / NORM)
+    top = np.maximum(stress.max(axis=-1), np.finfo(float).tiny)
+    sums = ((stress / top[..., None]) ** NORM).sum(axis=-1)
+    return np.asarray(top * sums ** (1.0 / NORM)).astype(np.float64)
 
 
 def power_mean_slope(tensors: Floats) -> Floats:
