@@ -48,7 +48,7 @@ def for_reader(
     }
     choices: dict[str, tuple[float, ...]] = {"draft_deg": DRAFTS_DEG, "lip_mm": tuple(lips_mm)}
     if plate:
-        shares = (max(THINNEST_MM, share * thickness_mm) for share in THICKNESS_SHARES)
+        shares = (max(THINNEST_MM, round(share * thickness_mm, 2)) for share in THICKNESS_SHARES)
         choices["thickness_mm"] = tuple(sorted({*shares, thickness_mm}))
 
     def stage(settings: Mapping[str, float]) -> Scene:

@@ -34,6 +34,27 @@ def test_a_drawn_plate_looks_like_its_solid(pattern, draft, lip):
         assert off < 0.4 * np.abs(upright.astype(float) - filmed).mean()
 
 
+def test_walls_that_bars_stand_on_do_not_flare(pattern):
+    solid = build_solid(pattern, Plane(1.6), Walls(draft_deg=15.0, lip_mm=0.2))
+    assert solid.notes == ()
+    behind = solid.triangles.vertices[np.abs(solid.triangles.vertices[:, 2]) < 1e-9, :2]
+    for corner in np.vstack([bar.corners() for bar in pattern.recessed]):
+        assert np.hypot(*(behind - corner).T).min() < 1e-6
+
+
+@pytest.mark.parametrize("draft", [0.0, 15.0])
+def test_the_bar_of_the_traced_ring_looks_dark(pattern, draft):
+    flush = build(pattern.symbol, PatternSpec(size_mm=40.0, finder="panel"))
+
+    def ring(which: Pattern, tilt: float) -> float:
+        scene = scan.drawn(which, 1.6, draft_deg=draft, lip_mm=0.2)
+        return scan.legibility(scene, which.symbol.matrix, which.module_mm, tilt).ring
+
+    for tilt in (10.0, 30.0):
+        assert ring(flush, tilt) > 0.8
+        assert ring(pattern, tilt) < 0.5
+
+
 def test_a_recessed_bar_lies_behind_the_front(pattern):
     sections = scan.drawn(pattern, 1.6).sections
     assert sections is not None
