@@ -110,6 +110,8 @@ def analyse_region(
         AnalysisError: the region is empty, not finite, in pieces or not held, or a figure is out of range.
     """
     stuff = material_named(material) if isinstance(material, str) else material
+    if yield_mpa is not None and not yield_mpa > 0.0:
+        raise AnalysisError(f"yield stress is {yield_mpa} MPa; it must be a positive number")
     model = prepare(
         polygon,
         placement,

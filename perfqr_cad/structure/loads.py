@@ -72,6 +72,7 @@ class Hold(StrEnum):
         return self is Hold.SIMPLE
 
 
+LARGEST = 1e9  # of a load in its unit: far beyond any part, far within the range of a double
 CORNER_PAD_FRACTION = 0.05  # of the smaller edge: a screw head at the corner of a sign
 
 
@@ -96,5 +97,7 @@ def _hold(value: str) -> Hold:
 
 
 def _require_finite(label: str, value: float, unit: str) -> None:
-    if not math.isfinite(value):
-        raise AnalysisError(f"{label} is {value} {unit}; it must be a finite number")
+    if not abs(value) <= LARGEST:
+        raise AnalysisError(
+            f"{label} is {value} {unit}; it must be a finite number of no more than {LARGEST:g} {unit}"
+        )

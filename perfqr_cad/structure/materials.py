@@ -101,7 +101,7 @@ _MATERIALS = (
         0.30,
         235.0,
         7850.0,
-        "S235: EN 1993-1-1 §3.2.6 and table 3.1; EN 1991-1-1 table A.4",
+        "S235JR: EN 10025-2 table 7, up to 16 mm thick; EN 1993-1-1 §3.2.6; EN 1991-1-1 table A.4",
     ),
     Material(
         "stainless", 200000.0, 0.30, 210.0, 7900.0, "1.4301 (AISI 304): EN 10088-1 and -2, EN 1993-1-4 §2.1.3"

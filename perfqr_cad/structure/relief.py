@@ -77,7 +77,8 @@ class Shortlist:
         bars, modes = self.strain.shape
         each = np.arange(bars)
         stiff = np.eye(modes) + self.flexibility[each, :, each, :]
-        return np.linalg.solve(stiff, self.strain[:, :, None])[:, :, 0]
+        forces: Floats = np.matmul(np.linalg.inv(stiff), self.strain[:, :, None])[:, :, 0]
+        return forces
 
 
 def greedy(bars: Shortlist, price: Floats, aim_mpa: float, least_gain: float, most: int) -> list[int]:
@@ -109,7 +110,7 @@ def power_mean(stress: Floats) -> Floats:
     """A smooth stand-in for the largest stress along the last axis: the NORM-th root of the sum of powers."""
     top = np.maximum(stress.max(axis=-1), np.finfo(float).tiny)
     sums = ((stress / top[..., None]) ** NORM).sum(axis=-1)
-    return np.asarray(top * sums ** (1.0 / NORM)).astype(np.float64)
+    return top * sums ** (1.0 / NORM)
 
 
 def power_mean_slope(tensors: Floats) -> Floats:

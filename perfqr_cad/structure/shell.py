@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.plate import Section
 from perfqr_cad.structure.t6 import (
     FROM_GAUSS_TO_CORNERS,
@@ -43,6 +44,7 @@ def stiffness(positions: Floats, frames: Floats, elements: Ints, section: Sectio
         for point, weight in zip(THREE_POINTS, THREE_WEIGHTS, strict=True):
             for zeta in (-_THROUGH, _THROUGH):
                 strain, volume, _ = strain_matrix(x, n, point, zeta, t)
+                _require_unfolded(x, volume, t)
                 rows.append(root @ strain * np.sqrt(weight * volume)[:, None, None])
         for point, weight in zip(SIX_POINTS, SIX_WEIGHTS, strict=True):
             twist, area = _drilling_row(x, n, point)
@@ -50,6 +52,16 @@ def stiffness(positions: Floats, frames: Floats, elements: Ints, section: Sectio
         stacked = np.concatenate(rows, axis=1)
         np.matmul(stacked.transpose(0, 2, 1), stacked, out=out[part])
     return out
+
+
+def _require_unfolded(x: Floats, volume: Floats, thickness_mm: Floats) -> None:
+    folded = np.flatnonzero(~(volume > 0.0))
+    if len(folded):
+        at = ", ".join(f"{c:.1f}" for c in x[folded[0]].mean(axis=0))
+        raise AnalysisError(
+            f"the wall of {thickness_mm[folded[0]]:g} mm folds over itself near ({at}) mm, where it is"
+            " curved more tightly: make it thinner or the surface flatter"
+        )
 
 
 def _elasticity(section: Section) -> Floats:

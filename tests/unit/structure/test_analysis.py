@@ -8,7 +8,7 @@ from shapely.geometry import MultiPolygon, Point, Polygon, box
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure import Finger, Pressure, StressField, Support, Weight, analyse_region
 from perfqr_cad.structure.solvers import cholmod
-from perfqr_cad.surface import Cylinder, Placement, Plane
+from perfqr_cad.surface import Cylinder, HeightField, Placement, Plane
 
 PLATE = box(-20, -20, 20, 20).difference(box(-5, -5, 5, 5))
 PUSH = Pressure(0.001)
@@ -179,3 +179,22 @@ def test_load_that_is_no_number_is_refused() -> None:
         Pressure(float("nan"))
     with pytest.raises(AnalysisError, match="finger radius"):
         replace(Finger(1.0), radius_mm=0.0)
+
+
+def test_a_wall_thicker_than_its_surface_is_curved_is_refused() -> None:
+    wavy = HeightField.of(lambda x, y: 2 * np.cos(1.5 * x), 12.0, 6.0)
+    with pytest.raises(AnalysisError, match=r"the wall of 6 mm folds over itself near \("):
+        analyse_region(box(-10, -10, 10, 10), wavy, load=Pressure(1e-3), mesh_size_mm=1.5)
+
+
+@pytest.mark.parametrize("load", [1e300, -1e300, float("nan"), float("inf")])
+def test_a_load_beyond_all_bounds_is_refused(load: float) -> None:
+    with pytest.raises(AnalysisError, match="pressure is .* no more than 1e\\+09 MPa"):
+        Pressure(load)
+
+
+def test_a_yield_stress_that_is_no_number_is_refused() -> None:
+    with pytest.raises(AnalysisError, match="yield stress is nan MPa"):
+        analyse_region(
+            box(0, 0, 9, 9), Plane(1.0), load=Pressure(1.0), mesh_size_mm=3.0, yield_mpa=float("nan")
+        )
