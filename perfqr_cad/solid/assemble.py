@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern.outline import Region
-from perfqr_cad.surface import Cone, HeightField, Placement, Plane, Revolved, Triangles
+from perfqr_cad.surface import Placement, Plane, Triangles
 
-from . import flux, occ
+from . import flux
 from .backing import Backing
 from .caption import Caption
 from .chart import Chart
-from .curved_charts import ConeChart, HeightFieldChart, RevolvedChart
 from .expected import volume_mm3
 from .mesh import CHORD_MM, triangulate
 from .plan import Plan
@@ -116,8 +114,7 @@ def plan_of(pattern: Pattern) -> Plan:
 def _stood(stands: Sections, placement: Placement, chord_mm: float) -> Solid:
     """The solid of some sections, measured and checked."""
     volume_tol = FLAT_VOLUME_TOL if placement.is_flat else CURVED_VOLUME_TOL
-    with occ.kernel("building the solid", "simplify the outline or move the code to a smoother place"):
-        brep = panel(stands, chart_of(placement))
+    brep = panel(stands, chart_of(placement))
     volume, expected = flux.volume_mm3(brep), volume_mm3(stands.wells, placement)
     triangles = triangulate(
         stands.wells,
@@ -155,17 +152,11 @@ def _bounds(triangles: Triangles) -> tuple[Corner, Corner]:
 
 
 def chart_of(placement: Placement) -> Chart:
-    """The kernel's view of a placement."""
+    """How the pattern lies in a placement."""
     match placement:
         case Plane():
             return PlaneChart(placement)
-        case Revolved():
-            return RevolvedChart(placement)
-        case Cone():
-            return ConeChart(placement)
-        case HeightField():
-            return HeightFieldChart(placement)
-        case _:
-            raise KernelError(
-                f"no exact chart for {type(placement).__name__}: use a surface of perfqr_cad.surface"
-            )
+        case _:  # the modeller takes a second to load, and a plate needs none
+            from .curved_charts import curved_chart
+
+            return curved_chart(placement)

@@ -22,7 +22,7 @@ from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Pnt
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern.outline import Line, Segment
-from perfqr_cad.surface import Cone, Cylinder, HeightField, Revolution, Revolved, Sphere
+from perfqr_cad.surface import Cone, Cylinder, HeightField, Placement, Revolution, Revolved, Sphere
 from perfqr_cad.surface.spline import (
     DEGREE,
     Spline,
@@ -34,7 +34,7 @@ from perfqr_cad.surface.spline import (
 )
 
 from .brep import TOLERANCE_MM, Batch, CurveTable
-from .chart import Band, Columns, Level, Traces
+from .chart import Band, Chart, Columns, Level, Traces
 from .fitted import Sight, lay_fitted
 from .geometry import Arcs, Cones, Curves, Lines, Planes, Surfaces
 from .modelled import ModelledSurfaces
@@ -48,6 +48,21 @@ FLAT = 1e-9  # slope below which a wall is called flat
 Y = np.array([0.0, 1.0, 0.0])
 UP = gp_Dir(0, 1, 0)
 BACK = gp_Dir(0, 0, -1)  # seams of closed surfaces lie behind the axis, away from the code
+
+
+def curved_chart(placement: Placement) -> Chart:
+    """The chart of a curved wall. Raises `KernelError` for one that is not of `perfqr_cad.surface`."""
+    match placement:
+        case Revolved():
+            return RevolvedChart(placement)
+        case Cone():
+            return ConeChart(placement)
+        case HeightField():
+            return HeightFieldChart(placement)
+        case _:
+            raise KernelError(
+                f"no exact chart for {type(placement).__name__}: use a surface of perfqr_cad.surface"
+            )
 
 
 @dataclass(frozen=True, eq=False)

@@ -69,10 +69,13 @@ def _walls(wells: Sequence[Well], placement: Placement, origin: Array) -> float:
     for (top, bottom), (upper, lower) in bands.items():
         for panels, rows in _by_panels(upper, placement.is_flat).items():
             node, weight = gauss(NODES, panels)
-            pairs = [upper[i] for i in rows], [lower[i] for i in rows]
-            spans = _spans(*pairs) if placement.is_flat else None
-            p1, t1 = _run(pairs[0], node, top, placement, spans)
-            p0, t0 = _run(pairs[1], node, bottom, placement, spans)
+            over, under = [upper[i] for i in rows], [lower[i] for i in rows]
+            spans = _spans(over, under) if placement.is_flat else None
+            drawn = _drawn(over, node, spans)
+            p1, t1 = _laid(*drawn, top, placement)
+            if any(a is not b for a, b in zip(over, under, strict=True)):  # not upright
+                drawn = _drawn(under, node, spans)
+            p0, t0 = _laid(*drawn, bottom, placement)
             p1, p0 = p1 - origin, p0 - origin
             for s, share in zip(*gauss(RULING_NODES, 1), strict=True):
                 at, along = (1 - s) * p0 + s * p1, (1 - s) * t0 + s * t1
@@ -81,13 +84,16 @@ def _walls(wells: Sequence[Well], placement: Placement, origin: Array) -> float:
     return total
 
 
-def _run(
-    segments: list[Segment], node: Array, depth_mm: float, placement: Placement, spans: Indices | None
-) -> tuple[Array, Array]:
-    """Points and derivatives (k, q, 3) of laid segments."""
+def _drawn(segments: list[Segment], node: Array, spans: Indices | None) -> tuple[Array, Array]:
+    """Points and derivatives (k, q, 2) of segments."""
     at, slope = derivatives(segments, node)
     if spans is not None:
         _by_rationals(segments, node, spans, at, slope)
+    return at, slope
+
+
+def _laid(at: Array, slope: Array, depth_mm: float, placement: Placement) -> tuple[Array, Array]:
+    """The same, (k, q, 3), at a depth."""
     flat = at.reshape(-1, 2)
     along_u, along_v = (x.reshape(*at.shape[:2], 3) for x in placement.tangents(flat, depth_mm))
     points = placement.at_depth(flat, depth_mm).reshape(*at.shape[:2], 3)

@@ -55,9 +55,11 @@ class Solid:
         """The boundary as tables."""
         if self.exact is None or isinstance(self.exact, Brep):
             return self.exact
+        from . import occ
         from .survey import brep_of
 
-        return brep_of(self.exact)
+        with occ.kernel("reading the solid", "repair it in a CAD program"):
+            return brep_of(self.exact)
 
     @cached_property
     def shape(self) -> TopoDS_Solid | None:

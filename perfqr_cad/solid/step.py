@@ -1,12 +1,9 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """STEP files, written in linear time."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from . import occ
 from .shape import Solid
 from .step_document import Body, Document
 from .step_tessellation import tessellated
@@ -23,12 +20,11 @@ def write_step(solid: Solid, path: str | Path, *, product: str | None = None) ->
     part = Part21()
     document, topology = Document(part), Topology(part)
     written: list[Body] = []
-    with occ.kernel("writing STEP", "rebuild the faces of other kinds as B-spline surfaces"):
-        for body in bodies:
-            if body.brep is None:
-                written.append(tessellated(part, body))
-            else:
-                written.append(Body(topology.solid(body.brep, body.name), body.name, body.colour))
+    for body in bodies:
+        if body.brep is None:
+            written.append(tessellated(part, body))
+        else:
+            written.append(Body(topology.solid(body.brep, body.name), body.name, body.colour))
     title = product or solid.name
     document.write(written, title)
     Path(path).write_text(part.file(f"{title}.step", title), "ascii")

@@ -35,8 +35,11 @@ from OCP.gp import gp_Dir, gp_Pnt
 
 from perfqr_cad.errors import KernelError
 
+from . import occ
 from .modelled import ModelledCurves, ModelledSurfaces
 from .step_text import UNIT_DIGITS, Part21, real, reals, refs
+
+REBUILD = "writing STEP", "rebuild the faces of other kinds as B-spline surfaces"
 
 
 class Modelled:
@@ -66,11 +69,13 @@ class Modelled:
 
     def curves(self, curves: ModelledCurves) -> list[int]:
         """The numbers of curves."""
-        return [self.curve(*run) for run in curves.runs]
+        with occ.kernel(*REBUILD):
+            return [self.curve(*run) for run in curves.runs]
 
     def surfaces(self, surfaces: ModelledSurfaces) -> tuple[list[int], NDArray[np.bool_]]:
         """The numbers of surfaces, and whether their normals in the file are opposite to their own."""
-        numbers, mirrored = zip(*map(self.surface, surfaces.handles), strict=True)
+        with occ.kernel(*REBUILD):
+            numbers, mirrored = zip(*map(self.surface, surfaces.handles), strict=True)
         return list(numbers), np.array(mirrored)
 
     def curve(self, curve: Geom_Curve, first: float, last: float) -> int:
