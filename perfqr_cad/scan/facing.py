@@ -21,10 +21,14 @@ SIDES: dict[str, tuple[tuple[int, int, int], ...]] = {
     "left (-x)": ((0, -1, 0), (0, 0, 1), (-1, 0, 0)),
     "bottom": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
 }
+TOUCHING_MM = 1e-3  # a backing that touches the plate lies behind it
 CARD_NOTE = (
     "light from the far inner wall fills the holes of a hollow part: it was filmed with a card of the "
     "ground's colour through its middle, in place of what will stand in it"
 )
+
+
+BACKING_NOTE = "what lies behind the plate in this file was taken to be of the ground's colour"
 
 
 def turned(
@@ -34,11 +38,13 @@ def turned(
 
     right   the payloads that count; None: any
 
-    A plate that lies on its back stays as it is, and so does a part that is read from no side. The side that
-    most decoders read is taken; a card is put inside when none reads without.
+    A plate that lies on its back stays as it is, but for a backing, which is near ground; and so does a part
+    that is read from no side. The side that most decoders read is taken; a card is put inside when none reads
+    without.
     """
-    if place(triangles).flat:
-        return triangles, None, ()
+    front = _frontmost(triangles)
+    if place(front).flat:
+        return front, None, () if front is triangles else (BACKING_NOTE,)
     for carded in (False, True):
         sides = {name: _seen_from(triangles, axes) for name, axes in SIDES.items()}
         cards = {name: _card(seen) if carded else None for name, seen in sides.items()}
@@ -48,6 +54,28 @@ def turned(
             notes = () if best == "top" else (f"the code was found on the {best}",)
             return sides[best], cards[best], (*notes, CARD_NOTE) if carded else notes
     return triangles, None, ()
+
+
+def _frontmost(triangles: Triangles) -> Triangles:
+    """The bodies of a file without those that lie wholly behind the highest one, seen along z."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    faces, heights = np.asarray(triangles.faces, np.int64), np.asarray(triangles.vertices, float)[:, 2]
+    if len(faces) == 0:
+        return triangles
+    joined = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
+    links = coo_array((np.ones(len(joined), np.int8), joined.T), shape=(len(heights),) * 2)
+    count, body = connected_components(links, directed=False)
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(low, body, heights)
+    np.maximum.at(high, body, heights)
+    top = high.argmax()
+    behind = (high <= low[top] + TOUCHING_MM) & (np.arange(count) != top)
+    if not behind.any():
+        return triangles
+    used, kept = np.unique(faces[~behind[body[faces[:, 0]]]], return_inverse=True)
+    return Triangles(np.asarray(triangles.vertices)[used], kept.reshape(-1, 3))
 
 
 def _readers(

@@ -109,6 +109,19 @@ def test_a_plate_that_stands_is_filmed_from_its_front(folder, tmp_path):
     assert "front (-y)" in found.warnings[-1]
 
 
+def test_a_backing_in_the_file_is_near_ground(folder, tmp_path):
+    import trimesh
+
+    plate = trimesh.load(folder / "part.stl")
+    backing = trimesh.creation.box((30, 30, 1)).apply_translation([0, 0, plate.bounds[0, 2] - 0.5])
+    trimesh.util.concatenate([plate, backing]).export(tmp_path / "backed.stl")
+    found = scan.part(tmp_path / "backed.stl", plan=ONCE, decoders=("zbar",))
+    assert found.readers == ("zbar",)
+    assert "ground's colour" in found.warnings[-1]
+    alone = scan.part(folder / "part.stl", plan=ONCE, decoders=("zbar",))
+    assert alone.warnings == ()
+
+
 def test_a_hollow_part_is_filmed_with_a_card_inside(folder, tmp_path):
     import trimesh
 
