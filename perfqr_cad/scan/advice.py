@@ -19,8 +19,9 @@ def sentences(report: ScanReport) -> tuple[str, ...]:
         )
     if "zxing-cpp" in walls:
         lines.append(
-            "zxing-cpp follows the dark ring of the lower-left finder: recess the bar across it, or blacken "
-            "it, until it gets less than a third of the light on the front"
+            "zxing-cpp follows the dark ring of the lower-left finder: take recessed bars and a thicker "
+            "plate, whose slot is deeper, or blacken the bar across it, until it gets less than a third of "
+            "the light on the front"
         )
     return tuple(lines)
 
