@@ -141,7 +141,8 @@ class _Spline:
         plain.SetVNotPeriodic()
         rows, columns = range(1, plain.NbUPoles() + 1), range(1, plain.NbVPoles() + 1)
         poles = np.array([[(*plain.Pole(i, j).Coord(), 1.0) for j in columns] for i in rows])
-        poles *= np.array([[plain.Weight(i, j) for j in columns] for i in rows])[..., None]
+        if surface.IsURational() or surface.IsVRational():  # else what was periodic has weights of 0
+            poles *= np.array([[plain.Weight(i, j) for j in columns] for i in rows])[..., None]
         u_knots = _flat(plain.UKnots(), plain.UMultiplicities())
         v_knots = _flat(plain.VKnots(), plain.VMultiplicities())
         return _Spline(NdBSpline((u_knots, v_knots), poles, (plain.UDegree(), plain.VDegree())))
@@ -242,7 +243,8 @@ def _spline_curve(curve: Geom_BSplineCurve) -> Curve:
     plain.SetNotPeriodic()
     every = range(1, plain.NbPoles() + 1)
     poles = np.array([(*plain.Pole(i).Coord(), 1.0) for i in every])
-    poles *= np.array([plain.Weight(i) for i in every])[:, None]
+    if curve.IsRational():  # else what was periodic has weights of 0
+        poles *= np.array([plain.Weight(i) for i in every])[:, None]
     spline = BSpline(_flat(plain.Knots(), plain.Multiplicities()), poles, plain.Degree())
 
     def drawn(t: Array) -> Array:

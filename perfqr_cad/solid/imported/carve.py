@@ -60,6 +60,7 @@ def carve(host: Host, motif: Motif, laid: Laid, walls: Walls) -> Solid:
     except NoRecess as reason:
         motif = motif.flushed()
         shape, notes = _holed(host, motif, laid, walls), (str(reason),)
+    kernel.reconcile(shape, host.shape, FIT_MM)
     triangles = carved_mesh(host.body, motif, laid, walls)
     lost = kernel.volume_lost(host.shape, shape)
     if walls.draft_deg == 0:
@@ -71,8 +72,8 @@ def carve(host: Host, motif: Motif, laid: Laid, walls: Walls) -> Solid:
     problems: list[str] = []
     if abs(lost - removed) > tolerance * removed:
         problems.append(f"it lost {lost:.6g} mm³ instead of {removed:.6g} mm³")
-    volume = kernel.volume(host.shape) - lost
-    if not _is_valid(shape, host, volume):
+    volume = host.volume_mm3 - lost
+    if check(brep_of(shape), volume_mm3=volume) and not kernel.is_valid(shape):
         problems.append("the kernel's check fails")
     if problems:
         raise KernelError(
@@ -142,15 +143,6 @@ def _removed_mm3(host: Host, motif: Motif, laid: Laid, walls: Walls) -> float:
     # Rings in pockets stand on the floor: there is no bar before which to stop.
     slot_mm = motif.top_depth_mm(laid.thickness_mm) if walls.depth_mm is None else walls.depth_mm
     return holes + removed_mm3(host, motif.bar_loops(0.0), laid, slot_mm)
-
-
-def _is_valid(shape: TopoDS_Solid, host: Host, volume_mm3: float) -> bool:
-    """The proof in linear time, where it can be given; else the kernel's check, with a second chance with
-    edges brought in step."""
-    if not check(brep_of(shape), volume_mm3=volume_mm3) or kernel.is_valid(shape):
-        return True
-    kernel.reconcile(shape, host.shape, FIT_MM)
-    return kernel.is_valid(shape)
 
 
 def _punched(host: Host, groups: Mapping[tuple[int, int], Sections], laid: Laid) -> TopoDS_Solid:

@@ -46,6 +46,10 @@ def place(host: Host, wish: Wish, size_mm: float, problem: Problem) -> Survey:
         found = _on_face(host, index, size_mm, problem, wish.up)
         if found is None:
             frame = _centre(host, index, wish.up)
+            if frame is None:
+                raise DesignError(
+                    f"face {index + 1} of {host.name!r} has no usable spot: choose another face or up"
+                )
             return _judged(host, frame, size_mm, problem, wish)
         return found
     return _largest_that_fits(host, size_mm, problem, wish)
@@ -62,7 +66,10 @@ def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wish: Wish)
 
     if (chosen := first(size_mm, order)) is not None:
         return chosen[1]
-    middles = [survey(host.body, _centre(host, i, wish.up), size_mm) for i in order[:FACES_SIZED]]
+    centres = [_centre(host, i, wish.up) for i in order[:FACES_SIZED]]
+    middles = surveys(host.body, [frame for frame in centres if frame is not None], size_mm)
+    if not middles:
+        raise DesignError(f"{host.name!r} has no face with a middle to lay a code on: name a point")
     nearly = [found for found in middles if found.front_problem() is None] or middles
     reason = problem(nearly[0]) or "no place takes it"
     few = order[:FACES_SIZED]
@@ -113,15 +120,13 @@ def _promising(
         yield from (f for f in surveys(host.body, turned, size_mm, COARSE) if problem(f) is None)
 
 
-def _centre(host: Host, index: int, up: ArrayLike | None) -> Frame:
+def _centre(host: Host, index: int, up: ArrayLike | None) -> Frame | None:
+    """The frame nearest to the middle of a face; None where no spot has one."""
     points, _, _ = host.body.samples(CANDIDATES, SEED, np.array([index]))
     middle = points.mean(axis=0)
     order = np.argsort(np.linalg.norm(points - middle, axis=1), kind="stable")
     found = (host.frame_near(index, p, up) for p in (middle, *points[order]))
-    frame = next((f for f in found if f is not None), None)
-    if frame is None:
-        raise DesignError(f"face {index + 1} of {host.name!r} has no usable spot: choose another face")
-    return frame
+    return next((f for f in found if f is not None), None)
 
 
 def _judged(host: Host, frame: Frame, size_mm: float, problem: Problem, wish: Wish) -> Survey:

@@ -16,6 +16,7 @@ from perfqr_cad.solid.imported.body import Array
 
 if TYPE_CHECKING:
     from OCP.Geom import Geom_Surface
+    from OCP.ShapeAnalysis import ShapeAnalysis_Surface
     from OCP.TopoDS import TopoDS_Face
     from scipy.spatial import cKDTree
 
@@ -90,16 +91,19 @@ class Skin:
         normal = np.cross(du, dv) * self.outward_sign
         return normal / np.linalg.norm(normal, axis=1)[:, None]
 
+    @cached_property
+    def _seeker(self) -> ShapeAnalysis_Surface:
+        from OCP.ShapeAnalysis import ShapeAnalysis_Surface
+
+        return ShapeAnalysis_Surface(self.surface)
+
     def parameters(self, point: Array) -> tuple[float, float]:
-        """Parameters of the surface point nearest to a point. Raises `KernelError` when the search fails."""
-        from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
+        """Parameters of the surface point nearest to a point on or near the face."""
         from OCP.gp import gp_Pnt
 
-        search = GeomAPI_ProjectPointOnSurf(gp_Pnt(*point.tolist()), self.surface, *self.bounds)
-        if not search.NbPoints():
-            raise KernelError("a point could not be projected onto the face: move the code")
-        u, v = search.LowerDistanceParameters()
-        return u, v
+        found = self._seeker.ValueOfUV(gp_Pnt(*point.tolist()), NEWTON_TOL_MM)
+        (uv,) = self._in_period(np.array([[found.X(), found.Y()]]))
+        return float(uv[0]), float(uv[1])
 
     def foot(self, point: Array) -> tuple[Array, Array] | None:
         """The exact point of the surface nearest to a point, and its outward normal; None at a pole."""
