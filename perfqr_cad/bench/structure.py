@@ -49,6 +49,7 @@ def run() -> tuple[Table, Table]:
         )
 
     field(best)  # imports
+    largest_s, unknowns, peak_gb = _largest(best)  # first: the peak is that of the process so far
     one_s, answer = _timed(lambda: field(best))
     fallback_s, fallback = _timed(lambda: field(SuperLU.name))
     again_s, bridge_s = _loop(pattern, best)
@@ -57,7 +58,8 @@ def run() -> tuple[Table, Table]:
         (f"the same, {SuperLU.name}", fallback_s, fallback_s / one_s, 4.5),
         ("loop model: mesh, assemble, factorise", again_s, again_s / one_s, None),
         ("one bridge in the loop", bridge_s, bridge_s / one_s, 0.03),
-        ("mesh and factorise again, over one bridge", again_s / bridge_s, None, 40.0),
+        ("loop model again, over one bridge", again_s / bridge_s, None, None),
+        ("conforming mesh and factors again, over one bridge", one_s / bridge_s, None, 40.0),
     ]
     laid_s, laid = _timed(
         lambda: reinforce(
@@ -86,9 +88,8 @@ def run() -> tuple[Table, Table]:
         rows.append(("CalculiX C3D15 on the same mesh", ccx_s, ccx_s / shell_s, 6.0))
         deepest = float(np.abs(theirs.displacement[:, 2]).max())
         results.append(("CalculiX C3D15, same mesh", deepest, None, theirs.displacement.size))
-    largest_s, unknowns, peak_gb = _largest(best)
     rows.append((f"version 40, {unknowns} unknowns, {best}", largest_s, largest_s / one_s, 10.0))
-    rows.append(("peak memory of it all, GB", peak_gb, None, 4.0))
+    rows.append(("its peak of memory, GB", peak_gb, None, 4.0))
     notes = (
         "processor seconds, children included",
         "CalculiX is compared with assembling, factorising and solving of the shell on its mesh",

@@ -26,21 +26,25 @@ OVERLOAD = 1.15  # stress over χ at the pressure where reinforcement is shown
 
 
 def run(out: Path) -> Table:
-    """Write fig11-5pa.png and fig11-<method>.png into a folder; the figures of each case as a table."""
+    """Write fig11-5pa.png, fig11-<method>.png and fig11-convergence.png into a folder; the figures of each
+    case as a table."""
     out.mkdir(parents=True, exist_ok=True)
     pattern = build(encode(TEXT, version=VERSION), PatternSpec(size_mm=SIZE_MM, finder="diagonal"))
     plate = Plane(THICKNESS_MM)
     at_paper = analyse(pattern, plate, load=Pressure(PAPER_PRESSURE_MPA), yield_mpa=YIELD_MPA)
     pressure = PAPER_PRESSURE_MPA * OVERLOAD * YIELD_MPA / at_paper.max_stress_mpa
     rows = [_row("paper's pressure", PAPER_PRESSURE_MPA, at_paper, None)]
+    results: list[Reinforcement] = []
     _figure(out / "fig11-5pa.png", [("5 Pa", at_paper, None)])
     for method in ("optimal", "paper"):
         result = reinforce(pattern, plate, load=Pressure(pressure), yield_mpa=YIELD_MPA, method=method)
+        results.append(result)
         rows.append(_row("before", pressure, result.before, None))
         rows.append(_row(method, pressure, result.after, result))
         _figure(
             out / f"fig11-{method}.png", [("before", result.before, None), (method, result.after, result)]
         )
+    _convergence(out / "fig11-convergence.png", results)
     columns = ("case", "Pa", "stress MPa", "deflection mm", "bridges", "L(Q)", "status")
     notes = (
         f"version {VERSION}, {SIZE_MM:g} mm, {THICKNESS_MM:g} mm thick, PLA, clamped, χ {YIELD_MPA:g} MPa",
@@ -79,4 +83,27 @@ def _figure(path: Path, cases: list[tuple[str, StressField, Reinforcement | None
         draw(field, axes[0, column], "stress", bridges=bridges, limit=stress)
         draw(field, axes[1, column], "deflection", bridges=bridges, limit=deflection)
         axes[0, column].set_title(f"{name}: {axes[0, column].get_title()}", fontsize=9)
+    figure.savefig(path, dpi=110, metadata={"Software": None})
+
+
+def _convergence(path: Path, results: list[Reinforcement]) -> None:
+    """The largest stress as each method lays bridges and confirms them, down to the limit."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
+
+    figure = Figure(figsize=(6.0, 3.6), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    for result in results:
+        axes.plot(
+            result.history, marker="o", markersize=4, label=f"{result.method}: {result.iterations} bridges"
+        )
+    axes.axhline(YIELD_MPA, color="tab:red", linestyle="--", linewidth=1.0, label=f"χ = {YIELD_MPA:g} MPa")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_xlabel("round or confirming mesh")
+    axes.set_ylabel("largest stress, MPa")
+    axes.set_ylim(bottom=0.0)
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=8)
     figure.savefig(path, dpi=110, metadata={"Software": None})
