@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -50,8 +50,7 @@ def _through(brep: Brep, faces: Batch[Surfaces], origin: Array) -> float:
         case Planes():
             return 0.0
         case Cones() as cones:
-            moment: Moment = lambda which, uv: _cone_moment(cones, which, uv, origin)  # noqa: E731
-            return _by_images(brep, faces.rows, moment, QUARTER)
+            return _by_images(brep, faces.rows, partial(_cone_moment, cones, origin), QUARTER)
         case SplineSurfaces() as patches:
             return _by_patches(brep, faces.rows, patches, origin)
         case surfaces:
@@ -95,7 +94,7 @@ def _by_images(brep: Brep, faces: Indices, moment: Moment, run: Array) -> float:
     return total
 
 
-def _cone_moment(cones: Cones, which: Indices, uv: Array, origin: Array) -> Array:
+def _cone_moment(cones: Cones, origin: Array, which: Indices, uv: Array) -> Array:
     """H on cylinders and cones: f = (r + v sin a) (cos a (q · ray + r) − sin a q · axis), q the origin's."""
     off = cones.origin - origin
     along_x, along_y, along_axis = (

@@ -55,7 +55,7 @@ def panel(sections: Sections, chart: Chart) -> Brep:
     )
     laid = _Laid.of(rings, numbers, sections.wells, chart)
     surfaces, outward = _caps([*sections.caps, *(top.cap for top in sections.tops)], chart)
-    faces = numbering(len(upper), np.arange(len(upper)), len(loops) + np.arange(len(upper)))
+    faces = len(loops) + np.arange(len(upper))
     return Brep(
         points=points,
         ends=ends,
