@@ -5,19 +5,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from OCP.Bnd import Bnd_Box
-from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepGProp import BRepGProp
 from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface
 from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Line
-from OCP.gp import gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
+from OCP.gp import gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.GProp import GProp_GProps
 from OCP.Message import Message, Message_Gravity
 from OCP.Standard import Standard_Failure
@@ -66,11 +64,6 @@ def pnt(p: ArrayLike) -> gp_Pnt:
 def direction(p: ArrayLike) -> gp_Dir:
     x, y, z = np.asarray(p, dtype=np.float64).tolist()
     return gp_Dir(x, y, z)
-
-
-def axes(origin: ArrayLike, z: ArrayLike, x: ArrayLike) -> gp_Ax3:
-    """A right-handed coordinate system."""
-    return gp_Ax3(pnt(origin), direction(z), direction(x))
 
 
 def line_2d(u: float, v: float, du: float, dv: float) -> Geom2d_Line:
@@ -125,23 +118,6 @@ def volume(shape: TopoDS_Shape, accuracy: float | None = None) -> float:
     else:
         BRepGProp.VolumeProperties_s(shape, properties, accuracy, False, False)
     return properties.Mass()
-
-
-def area(shape: TopoDS_Shape) -> float:
-    """Surface area in mm²."""
-    properties = GProp_GProps()
-    BRepGProp.SurfaceProperties_s(shape, properties)
-    return properties.Mass()
-
-
-def bounds(shapes: Sequence[TopoDS_Shape]) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Tight bounding box in mm of some shapes: least and greatest corner, without tolerances."""
-    box = Bnd_Box()
-    for shape in shapes:
-        BRepBndLib.AddOptimal_s(shape, box, False, False)
-    box.SetGap(0.0)
-    low, high = box.CornerMin(), box.CornerMax()
-    return (low.X(), low.Y(), low.Z()), (high.X(), high.Y(), high.Z())
 
 
 def explore(shape: TopoDS_Shape, kind: TopAbs_ShapeEnum) -> list[Any]:
