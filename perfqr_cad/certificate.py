@@ -45,7 +45,7 @@ def summary(design: Design) -> str:
         f"pattern   module {pattern.module_mm:.3f} mm, {pattern.islands_before} islands, {bridges} bridges, "
         f"{lost} codewords lost",
         f"strength  {design.reinforcement.status}: {stress.max_stress_mpa:.3g} MPa of {stress.yield_mpa:g}, "
-        f"deflection {stress.max_deflection_mm:.3g} mm, {stress.material}, {stress.mass_g:.1f} g",
+        f"deflection {stress.max_deflection_mm:.3g} mm, {stress.material}, {design.mass_g:.1f} g",
         f"solid     {size} mm, {solid.volume_mm3:.1f} mm³, {solid.faces} faces, "
         f"{'valid' if solid.valid else 'NOT VALID'}",
         f"scan      read by {readers}",
@@ -147,11 +147,12 @@ def _structure(design: Design) -> dict[str, Any]:
         "own_weight": design.request.own_weight,
         "support": stress.support,
         "max_stress_mpa": stress.max_stress_mpa,
+        "taper_factor": stress.taper.stress,
         "sharp_peak_mpa": stress.sharp_peak_mpa,
         "yield_mpa": stress.yield_mpa,
         "safety_factor": stress.safety_factor,
         "max_deflection_mm": stress.max_deflection_mm,
-        "mass_g": stress.mass_g,
+        "mass_g": design.mass_g,
         "iterations": loop.iterations,
         "status": loop.status,
         "remedies": list(loop.remedies),

@@ -57,6 +57,14 @@ class Design:
         return self.reinforcement.after
 
     @property
+    def mass_g(self) -> float:
+        """Of the solid as it is, with its flared holes and all that it was carved into."""
+        from perfqr_cad import structure
+        from perfqr_cad.units import grams
+
+        return grams(self.solid.volume_mm3, structure.material(self.request.material).density_kg_m3)
+
+    @property
     def part(self) -> build123d.Part:
         """The part as a build123d object."""
         from perfqr_cad.solid.frontends import to_build123d
@@ -120,6 +128,8 @@ def run(request: Request, target: Target | None = None) -> Design:
     from perfqr_cad import scan, structure
 
     watch = _Stopwatch()
+    left_open = request.draft_deg is None
+    request = terms.settled(request, plate=target is None)
     terms.walls(request)  # bad walls, captions, colours and materials are refused before the long steps
     terms.caption(request)
     terms.look(request)
@@ -139,6 +149,7 @@ def run(request: Request, target: Target | None = None) -> Design:
         if target is None:  # its thickness may be another now
             site = dressed(plate(request), request)
             placement = site.placement(drawn.extent_mm)
+    walls = terms.walls(request, or_straight=left_open)
     with watch("structure"):
         reinforced = structure.reinforce(
             drawn,
@@ -149,6 +160,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             yield_mpa=request.yield_mpa,
             method=request.method,  # pyright: ignore[reportArgumentType]  # reinforce refuses unknown names
             nozzle_mm=request.nozzle_mm,
+            flare_mm=walls.flare_mm(walls.reach_mm(placement.thickness_mm)),
         )
     verified = None
     if request.verify_solid:
@@ -162,7 +174,7 @@ def run(request: Request, target: Target | None = None) -> Design:
                 nozzle_mm=request.nozzle_mm,
             )
     with watch("solid"):
-        solid = site.solid(reinforced.pattern, placement, terms.walls(request))
+        solid = site.solid(reinforced.pattern, placement, walls)
         solid = replace(solid, colour=terms.part_colour(request))
     with watch("scan"):
         report = scan.certify(
@@ -236,10 +248,10 @@ def _require_readable(report: ScanReport, depth_mm: float | None, strengthenings
     """A part that no decoder reads is an error, not a warning."""
     if report.readers:
         return
-    if strengthenings:
-        remedy = f"{strengthenings} bridges for strength cover it: raise --thickness, or lower the load"
-    elif depth_mm is not None:
+    if depth_mm is not None:
         remedy = f"raise --size or --level, or take pockets deeper than {depth_mm:g} mm (--depth)"
+    elif strengthenings:
+        remedy = f"{strengthenings} bridges for strength cover it: raise --thickness, or lower the load"
     else:
         remedy = "raise --size or --level, or lower --thickness"
     tried = ", ".join(report.decoders)

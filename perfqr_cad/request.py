@@ -29,6 +29,8 @@ class Request:
     caption          a line of text on the frame below the code, letters caption_height_mm high (None: half of
                      the frame) that stand caption_relief_mm out of the face; below 0: engraved so deep
     backing_mm       thickness of a plate backing_gap_mm behind, in the tone of the holes; None: none
+    draft_deg        flare of the hole walls towards the back, behind a straight lip of lip_mm; None: plates
+                     with through-holes flare as far as it helps the reader, all else is straight
     depth_mm         depth of blind pockets instead of through-holes; None: through
     verify_solid     whether the strength is checked once more in three dimensions
     scan_tilt_deg    tilt at which the part must still read; None: nothing is asked beyond the frontal view
@@ -63,8 +65,8 @@ class Request:
     finder: str = "recessed"
     objective: str = "optimal"
     contour: str = "smooth"
-    draft_deg: float = 0.0
-    lip_mm: float = 0.0
+    draft_deg: float | None = None
+    lip_mm: float | None = None
     depth_mm: float | None = None
     material: str = "PLA"
     pressure_mpa: float = 5e-6  # the paper's 5 Pa

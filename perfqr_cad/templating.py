@@ -7,7 +7,7 @@ from typing import Any
 
 from perfqr_cad.request import read_holes
 
-# Parameters and the settings they are. 0 or nothing leaves the choice to the program for some.
+# Parameters and the settings they are.
 SETTINGS = {
     "level": "level",
     "version": "version",
@@ -17,6 +17,7 @@ SETTINGS = {
     "colour": "colour",
     "ground": "ground",
     "style": "style",
+    "fillet": "fillet_mm",
     "finder": "finder",
     "objective": "objective",
     "thickness": "thickness_mm",
@@ -41,6 +42,7 @@ SETTINGS = {
     "scan_tilt": "scan_tilt_deg",
     "seed": "seed",
 }
+# What leaves the choice to the program: 0 or nothing for some, a value below 0 for others.
 CHOSEN_IF_EMPTY = (
     "version",
     "colour",
@@ -52,23 +54,23 @@ CHOSEN_IF_EMPTY = (
     "yield_",
     "scan_tilt",
 )
+CHOSEN_BELOW_0 = ("fillet", "draft", "lip")
 
 
 def settings(p: SimpleNamespace) -> dict[str, Any]:
     """The settings of `perfqr_cad.make` that a template's parameters hold: `make(**settings(p), target=…)`.
 
-    A picture is taken instead of the text; a fillet below 0 means half the nozzle; `hole` lists holes as
-    `request.read_holes` reads them.
+    A picture is taken instead of the text; `hole` lists holes as `request.read_holes` reads them.
     """
     given = vars(p)
     image = given.get("image") or None
     made: dict[str, Any] = {"text": None if image else given["text"], "image": image}
-    if "fillet" in given:
-        made["fillet_mm"] = None if p.fillet < 0 else p.fillet
     if "hole" in given:
         made |= read_holes(p.hole)
     for name, setting in SETTINGS.items():
         if name in given:
-            left_open = name in CHOSEN_IF_EMPTY and not given[name]
+            left_open = (name in CHOSEN_IF_EMPTY and not given[name]) or (
+                name in CHOSEN_BELOW_0 and given[name] < 0
+            )
             made[setting] = None if left_open else given[name]
     return made

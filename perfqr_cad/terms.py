@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from perfqr_cad.solid.shape import Colour
     from perfqr_cad.structure.loads import Load
 
+# Walls of plates: they hide the least from aside, and printers still bear the overhang (docs/scan.md).
+DRAFT_DEG, LIP_MM = 15.0, 0.2
+LEAST_FLARED_MM = 4 * LIP_MM  # thinner sheets are cut, not printed, and hide little
 CAPTION_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
 
 
@@ -33,6 +36,8 @@ def spec(request: Request) -> PatternSpec:
         style=request.style,  # pyright: ignore[reportArgumentType]  # PatternSpec refuses unknown names
         fillet_mm=request.fillet_mm,
         finder=request.finder,  # pyright: ignore[reportArgumentType]
+        # The thinner that bar, the further from aside zxing-cpp reads the part: docs/scan.md.
+        bar_width_mm=request.nozzle_mm if request.scan_tilt_deg else None,
         objective=request.objective,  # pyright: ignore[reportArgumentType]
         contour=request.contour,  # pyright: ignore[reportArgumentType]
         tone=request.tone,  # pyright: ignore[reportArgumentType]
@@ -46,11 +51,23 @@ def spec(request: Request) -> PatternSpec:
     )
 
 
-def walls(request: Request) -> Walls:
-    """How the walls of the holes run."""
+def settled(request: Request, *, plate: bool) -> Request:
+    """The request with the walls that it left open: flared for a plate with through-holes, else straight."""
+    flares = plate and request.depth_mm is None and request.thickness_mm >= LEAST_FLARED_MM
+    draft, lip = (DRAFT_DEG, LIP_MM) if flares and request.draft_deg is None else (0.0, 0.0)
+    return replace(
+        request,
+        draft_deg=draft if request.draft_deg is None else request.draft_deg,
+        lip_mm=lip if request.lip_mm is None else request.lip_mm,
+    )
+
+
+def walls(request: Request, *, or_straight: bool = False) -> Walls:
+    """How the walls of the holes run; straight where the request leaves them open, or nothing can flare and
+    `or_straight`."""
     from perfqr_cad.solid import Walls
 
-    return Walls(draft_deg=request.draft_deg, lip_mm=request.lip_mm, depth_mm=request.depth_mm)
+    return Walls(request.draft_deg or 0.0, request.lip_mm or 0.0, request.depth_mm, or_straight)
 
 
 def caption(request: Request) -> Caption | None:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from perfqr_cad import terms
 from perfqr_cad.progress import tell
 from perfqr_cad.request import Request
 
@@ -41,9 +42,10 @@ def for_reader(
     assert request.scan_tilt_deg is not None
     tell("tune for the reader")
     lips_mm = sorted({min(lip, thickness_mm / 2) for lip in LIPS_MM})
+    walls = terms.walls(request)
     start = {
-        "draft_deg": request.draft_deg,
-        "lip_mm": min(request.lip_mm, thickness_mm / 2),
+        "draft_deg": walls.draft_deg,
+        "lip_mm": min(walls.lip_mm, thickness_mm / 2),
         "thickness_mm": thickness_mm,
     }
     choices: dict[str, tuple[float, ...]] = {"draft_deg": DRAFTS_DEG, "lip_mm": tuple(lips_mm)}

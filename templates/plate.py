@@ -32,10 +32,10 @@ objective = "optimal"  # [optimal:fewest and least harmful, paper:Eq. (4)]
 # [Body]
 # thickness of the plate, mm
 thickness = 1.6  # [0.1:0.1:50]
-# flare of the hole walls towards the back, degrees
-draft = 0  # [0:1:60]
-# straight lip in front of flared walls, mm
-lip = 0  # [0:0.1:50]
+# flare of the hole walls towards the back, degrees; -1 flares where it helps the reader
+draft = -1  # [-1:1:60]
+# straight lip in front of flared walls, mm; -1 suits the flare
+lip = -1  # [-1:0.1:50]
 # depth of blind pockets instead of through-holes, mm; 0 goes through
 depth = 0  # [0:0.1:50]
 # frame around the quiet zone, mm

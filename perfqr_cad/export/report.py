@@ -56,11 +56,12 @@ def _sections(design: DesignView, certificate: dict[str, Any]) -> Iterator[str]:
 
 def _head(design: DesignView, certificate: dict[str, Any]) -> str:
     symbol, solid = certificate.get("symbol") or {}, design.solid
+    strength = certificate.get("structure") or {}
     chips = [f"version {symbol.get('version')}-{symbol.get('level')}"]
     chips.append(" × ".join(f"{high - low:.4g}" for low, high in zip(*solid.bbox_mm, strict=True)) + " mm")
-    if design.stress is not None:
-        chips.append(f"{design.stress.material}, {design.stress.mass_g:.3g} g")
-        chips.append(f"safety factor {design.stress.safety_factor:.3g}")
+    if strength:
+        chips.append(f"{strength['material']}, {strength['mass_g']:.3g} g")
+        chips.append(f"safety factor {strength['safety_factor']:.3g}")
     if design.scan is not None:
         chips.append(f"read by {', '.join(design.scan.readers) or 'no decoder'}")
     items = "".join(f"<li>{escape(chip)}</li>" for chip in chips)

@@ -33,8 +33,8 @@ class PatternSpec:
                    paper's four at 45°; `recessed` one by the corner, behind the face, and in small codes, on
                    the one ring that readers trace, at the end of a slot that is pinched
     bar_height_mm  height of a recessed bar above the back of the part
-    bar_width_mm   width of the recessed bar in the pinched slot; None: one nozzle line, the only material
-                   that may be under the least web
+    bar_width_mm   width of the recessed bar in the pinched slot; None: the least web. Less, down to a nozzle
+                   line, is read from further aside, and is then the only material under the least web
     objective      `optimal`, or the baselines `paper` (Eq. (4)) and `mst` (Eq. (4) with λ = 0)
     loss_weight    λ of Eq. (4)
     tone           `normal`: light modules are material; `inverted`: dark modules are
@@ -89,7 +89,7 @@ class PatternSpec:
     @property
     def line_mm(self) -> float:
         """Width of the recessed bar in the pinched slot, mm."""
-        return self.nozzle_mm if self.bar_width_mm is None else self.bar_width_mm
+        return self.web_mm if self.bar_width_mm is None else self.bar_width_mm
 
     @property
     def gap_mm(self) -> float:

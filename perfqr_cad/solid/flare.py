@@ -28,6 +28,10 @@ WEB_SLACK = 0.02
 ALONG = 0.3  # sine (17°) below which a tie runs along a segment rather than away from it
 
 
+class NoFlare(DesignError):
+    """No edge of any hole can give way: the walls must be straight."""
+
+
 @dataclass(frozen=True)
 class Flared:
     """A loop at the back, and by how much each of its segments was set back for that, (k,) mm."""
@@ -40,7 +44,7 @@ def settled(front: Sequence[Region], flare_mm: float, min_web_mm: float) -> list
     """Each loop but the first outline at the back, tried out: its segments set back by `flare_mm`, or by what
     the webs and short edges bear. Both sides of a web give way alike.
 
-    Raises `DesignError` where no edge can give way at all.
+    Raises `NoFlare` where no edge can give way at all.
     """
     least = max(min_web_mm, LEAST_WEB_MM)
     outlines = Outlines.of(front)
@@ -64,7 +68,7 @@ def settled(front: Sequence[Region], flare_mm: float, min_web_mm: float) -> list
         for k, loop in zip(changed.tolist(), again, strict=True):
             wide[k] = loop
     if wide == list(inner) or not Outlines.of(_replaced(front, wide)).sound:
-        raise DesignError(
+        raise NoFlare(
             f"no hole can be flared by up to {flare_mm:.3g} mm with webs of {least:.3g} mm at the back: "
             "take a smaller draft, a longer lip, a thinner plate or larger modules"
         )

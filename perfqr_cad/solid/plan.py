@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.outline import Circle, Region
 
 from .caption import lettered
+from .flare import NoFlare
 from .recess import NoRecess
 from .sections import Sections, sections
 from .walls import Walls
@@ -38,6 +39,20 @@ class Plan:
         self, thickness_mm: float, walls: Walls, whole_circles: bool, *, rim: bool = True
     ) -> tuple[Sections, tuple[str, ...]]:
         """The loops at each depth, and what was made otherwise than asked; see `sections.sections`."""
+        try:
+            found, notes = self._cut(thickness_mm, walls, whole_circles, rim)
+        except NoFlare as reason:
+            if not walls.or_straight:
+                raise
+            straight = replace(walls, draft_deg=0.0)
+            found, notes = self._cut(thickness_mm, straight, whole_circles, rim)
+            notes = (*notes, f"the walls are straight: {reason}")
+        return lettered(found, self.letters, self.relief_mm), notes
+
+    def _cut(
+        self, thickness_mm: float, walls: Walls, whole_circles: bool, rim: bool
+    ) -> tuple[Sections, tuple[str, ...]]:
+        """The same without letters; with flush bars where they cannot lie behind the face."""
 
         def cut(front: tuple[Region, ...], bars: tuple[Bridge, ...]) -> Sections:
             return sections(
@@ -51,10 +66,8 @@ class Plan:
                 mounts=self.mounts,
             )
 
-        notes: tuple[str, ...] = ()
         try:
-            found = cut(self.front, self.bars)
+            return cut(self.front, self.bars), ()
         except NoRecess as reason:
             assert self.flush is not None  # bars come with the region that has them flush
-            found, notes = cut((self.flush,), ()), (str(reason),)
-        return lettered(found, self.letters, self.relief_mm), notes
+            return cut((self.flush,), ()), (str(reason),)

@@ -18,11 +18,13 @@ class Walls:
     draft_deg   flare of the walls towards the back, from the normal, so that walls do not hide the holes
     lip_mm      straight piece behind the front before the flare begins
     depth_mm    None for through-holes; else the depth of blind pockets, which leave a floor at the back
+    or_straight whether walls that cannot flare anywhere are straight instead, which is noted, not an error
     """
 
     draft_deg: float = 0.0
     lip_mm: float = 0.0
     depth_mm: float | None = None
+    or_straight: bool = False
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.draft_deg) and 0 <= self.draft_deg <= MOST_DRAFT_DEG):

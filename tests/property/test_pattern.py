@@ -19,7 +19,7 @@ TEXTS = st.text("abcdefghijklmnopqrstuvwxyz0123456789-/.", min_size=1, max_size=
 def assert_sound(pattern):
     assert pattern.polygon.is_valid
     assert pattern.polygon.geom_type == "Polygon"
-    eroded = pattern.web_polygon.buffer(-0.98 * pattern.spec.web_mm / 2, quad_segs=16)
+    eroded = pattern.polygon.buffer(-0.98 * pattern.spec.web_mm / 2, quad_segs=16)
     assert eroded.geom_type == "Polygon"
     assert math.isfinite(pattern.readability.total)
     # flattened arcs leave out at most their sagitta

@@ -15,7 +15,7 @@ from perfqr_cad.scan import DecoderResult, ScanReport
 
 @pytest.fixture(scope="module")
 def design() -> Design:
-    return make(text="HELLO 123", size_mm=40)
+    return make(text="HELLO 123", size_mm=40, draft_deg=0)
 
 
 def digest(path: Path) -> str:
@@ -49,7 +49,7 @@ def test_the_summary_names_payload_and_readers(design: Design) -> None:
 
 
 def test_the_same_request_gives_the_same_bytes(design: Design, tmp_path: Path) -> None:
-    again = make(text="HELLO 123", size_mm=40)
+    again = make(text="HELLO 123", size_mm=40, draft_deg=0)
     for name in ("part.step", "part.stl", "part.svg"):
         design.write(tmp_path / name)
         first = digest(tmp_path / name)
@@ -95,6 +95,7 @@ def test_an_unknown_setting_is_named() -> None:
     [
         (None, 0, "lower --thickness"),
         (0.8, 0, r"pockets deeper than 0\.8 mm"),
+        (0.8, 3, r"pockets deeper than 0\.8 mm"),
         (None, 3, "3 bridges for strength cover it: raise --thickness"),
     ],
 )

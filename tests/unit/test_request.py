@@ -67,3 +67,22 @@ def test_colours_by_name_and_by_number() -> None:
 def test_a_colour_that_is_none() -> None:
     with pytest.raises(DesignError, match="colour 'pinkish' is unknown"):
         terms.look(Request("HELLO", colour="pinkish"))
+
+
+@pytest.mark.parametrize(
+    ("asked", "plate", "draft_deg", "lip_mm"),
+    [
+        ({}, True, terms.DRAFT_DEG, terms.LIP_MM),
+        ({}, False, 0, 0),
+        ({"depth_mm": 1}, True, 0, 0),
+        ({"thickness_mm": 0.5}, True, 0, 0),
+        ({"draft_deg": 0}, True, 0, 0),
+        ({"draft_deg": 8}, True, 8, 0),
+        ({"draft_deg": 8, "lip_mm": 0.4}, False, 8, 0.4),
+    ],
+)
+def test_walls_flare_where_it_helps_and_nothing_else_is_asked(
+    asked: dict[str, float], plate: bool, draft_deg: float, lip_mm: float
+) -> None:
+    settled = terms.settled(Request("HELLO", **asked), plate=plate)
+    assert (settled.draft_deg, settled.lip_mm) == (draft_deg, lip_mm)

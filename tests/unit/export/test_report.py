@@ -71,7 +71,7 @@ def design(code):
         "payload": "TEXT & <more>",
         "symbol": {"version": 1, "level": "M"},
         "readability": {"loss": 0.01, "blocks": [{"errors": e, "capacity": 4} for e in (1, 0, 0)]},
-        "structure": {"material": "PLA", "max_stress_mpa": None},
+        "structure": {"material": "PLA", "max_stress_mpa": None, "mass_g": 4.2, "safety_factor": 1.3},
         "timings_s": {"scan": 12.345},
     }
     return replace(code, pattern=pattern, facts=facts)
@@ -116,6 +116,7 @@ def test_facts_are_there_and_escaped(text):
     assert "<th>blocks 2–3</th><td>0 of 4</td>" in text
     assert "not measured" in text
     assert "1 for strength (green)" in text
+    assert "PLA, 4.2 g" in text
 
 
 def test_scan_is_shown(text):
@@ -139,7 +140,7 @@ def field(stress_mpa):
     return SimpleNamespace(
         uv_mm=nodes, triangles=np.array([[0, 1, 2], [0, 2, 3]]), von_mises_mpa=stress_mpa,
         deflection_mm=np.linspace(0, -0.1, 4), max_stress_mpa=largest, max_stress_at_mm=(10.0, 10.0),
-        max_deflection_mm=0.1, max_deflection_at_mm=(-10.0, 10.0), yield_mpa=2.0, mass_g=5.0,
+        max_deflection_mm=0.1, max_deflection_at_mm=(-10.0, 10.0), yield_mpa=2.0,
         safety_factor=2.0 / largest, material="PLA",
     )  # fmt: skip
 

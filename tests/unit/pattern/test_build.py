@@ -18,7 +18,7 @@ def test_one_polygon_before_and_after_erosion(version):
     assert pattern.islands_before > 1
     assert pattern.polygon.is_valid
     assert pattern.polygon.geom_type == "Polygon"
-    eroded = pattern.web_polygon.buffer(-0.99 * pattern.spec.web_mm / 2, quad_segs=16)
+    eroded = pattern.polygon.buffer(-0.99 * pattern.spec.web_mm / 2, quad_segs=16)
     assert eroded.geom_type == "Polygon"
     assert pattern.readability.errors == (0,) * len(pattern.readability.errors)
     assert pattern.region.area == pytest.approx(pattern.polygon.area, rel=1e-3)  # chords of the fillets

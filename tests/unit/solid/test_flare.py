@@ -94,8 +94,12 @@ def test_a_short_edge_gives_way_instead_of_turning_over() -> None:
 def test_a_draft_with_no_room_at_all_is_refused() -> None:
     thin = tuple(square(x, 0, 2) for x in (-4.2, 0, 4.2))
     frame = Loop.from_points([(-6.4, -2.2), (6.4, -2.2), (6.4, 2.2), (-6.4, 2.2)])
+    region = Region(frame, thin)
     with pytest.raises(DesignError, match="no hole can be flared"):
-        build_region(Region(frame, thin), Plane(2.0), Walls(draft_deg=10.0), min_web_mm=0.8)
+        build_region(region, Plane(2.0), Walls(draft_deg=10.0), min_web_mm=0.8)
+    straight = build_region(region, Plane(2.0), Walls(draft_deg=10.0, or_straight=True), min_web_mm=0.8)
+    assert straight.volume_mm3 == pytest.approx(2 * region.area)
+    assert "the walls are straight: no hole can be flared" in straight.notes[0]
 
 
 @pytest.mark.parametrize(
