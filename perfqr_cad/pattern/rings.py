@@ -72,7 +72,8 @@ def as_webs(draft: Draft, spec: PatternSpec) -> tuple[Bridge, ...]:
     """The recessed bars, none narrower than the least web.
 
     The rule of the least web is held by all other material. The bar of the pinched slot may be asked to be
-    one nozzle line wide: it is no longer than the slot is wide, lies on the bed and has solid material at both ends.
+    one nozzle line wide: it is no longer than the slot is wide, lies on the bed and has solid material at
+    both ends.
     """
     return tuple(_as_web(draft, bridge, spec) for bridge in draft.recessed)
 
