@@ -31,9 +31,9 @@ PROBES = 32  # steps at which the bend of a laid segment is measured
 
 
 class Map(Protocol):
-    """Points (k, 3) of (k, 2) pattern points at a depth."""
+    """Points (k, 3) of (k, 2) pattern points at one depth, or at one each."""
 
-    def __call__(self, uv: Array, depth_mm: float) -> Array: ...
+    def __call__(self, uv: Array, depth_mm: float | Array) -> Array: ...
 
 
 @dataclass(frozen=True)
@@ -72,9 +72,7 @@ def triangulate(
     for cap in caps(wells, back_mm, seam.depth_mm):
         index, polygons = [columns[i][k] for i, k in cap.ends], [rings[i].levels[k] for i, k in cap.ends]
         mesh.cap(index, polygons, cap.depth_mm, up=cap.up)
-    for column in columns:
-        for upper, lower in pairwise(column):
-            mesh.wall(upper, lower)
+    mesh.walls([storey for column in columns for storey in pairwise(column)])
     for top in tops:
         mesh.cap(*seam.around(top), top.depth_mm, up=True)
     return mesh.triangles()
@@ -144,19 +142,27 @@ class _Mesh:
         self._place = place
         self._chord_mm = chord_mm
         self._flat = flat
-        self._vertices: list[Array] = []
+        self._laid: list[tuple[Array, float]] = []
         self._faces: list[Indices] = []
         self._count = 0
         self._last: tuple[Sequence[Array], Indices] | None = None
 
     def ring(self, uv: Array, depth_mm: float) -> Indices:
-        """Lay a polygon at a depth; the indices of its corners."""
-        return self._add(self._place(uv, depth_mm))
+        """Lay points at a depth; their indices."""
+        self._laid.append((uv, depth_mm))
+        self._count += len(uv)
+        return np.arange(self._count - len(uv), self._count)
 
-    def wall(self, upper: Indices, lower: Indices) -> None:
-        """Quads between two rings, outside to the right of travel."""
-        after_u, after_l = np.roll(upper, -1), np.roll(lower, -1)
-        self._faces += [np.column_stack([lower, after_l, after_u]), np.column_stack([lower, after_u, upper])]
+    def walls(self, storeys: Sequence[tuple[Indices, Indices]]) -> None:
+        """Quads between the upper and the lower ring of each, outside to the right of travel."""
+        upper, lower = (np.concatenate(rings) for rings in zip(*storeys, strict=True))
+        ends = np.cumsum([len(ring) for ring, _ in storeys])
+        after = np.arange(1, len(upper) + 1)
+        after[ends - 1] = np.concatenate([[0], ends[:-1]])
+        self._faces += [
+            np.column_stack([lower, lower[after], upper[after]]),
+            np.column_stack([lower, upper[after], upper]),
+        ]
 
     def cap(self, rings: Sequence[Indices], polygons: Sequence[Array], depth_mm: float, *, up: bool) -> None:
         """Fill the first ring, less the others, at a depth; `up` looks at the reader."""
@@ -165,7 +171,7 @@ class _Mesh:
         if not self._flat:
             corners = len(uv)
             uv, faces = refined(uv, faces, lambda points: self._place(points, depth_mm), self._chord_mm)
-            index = np.concatenate([index, self._add(self._place(uv[corners:], depth_mm))])
+            index = np.concatenate([index, self.ring(uv[corners:], depth_mm)])
         faces = index[faces]
         self._faces.append(faces if up else faces[:, ::-1])
 
@@ -177,12 +183,9 @@ class _Mesh:
         return before[1]
 
     def triangles(self) -> Triangles:
-        return Triangles(np.vstack(self._vertices), np.vstack(self._faces))
-
-    def _add(self, points: Array) -> Indices:
-        self._vertices.append(points)
-        self._count += len(points)
-        return np.arange(self._count - len(points), self._count)
+        uv, depth_mm = zip(*self._laid, strict=True)
+        depths_mm = np.repeat(depth_mm, [len(points) for points in uv])
+        return Triangles(self._place(np.vstack(uv), depths_mm), np.vstack(self._faces))
 
 
 def _same(one: Sequence[Array], other: Sequence[Array]) -> bool:

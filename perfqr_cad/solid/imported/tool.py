@@ -150,7 +150,7 @@ def _block(wells: Sequence[Well], laid: Laid, before_mm: float, beyond_mm: float
     origin = depths[0]
     levels = tuple(Level(d - origin, False) for d in depths)
 
-    def place(uv: Array, depth_mm: float) -> Array:
+    def place(uv: Array, depth_mm: float | Array) -> Array:
         return laid.at_depth(uv, depth_mm + origin)
 
     rims = [Well(tuple(loop.reversed() for loop in loops), levels) for loops in columns]
@@ -164,7 +164,7 @@ def _straight_tool(
     height = laid.frame_at_centre.to_frame(front)[:, 2]
     top, bottom = float(np.nanmax(height)) + margin, float(np.nanmin(height - wall_mm)) - margin
 
-    def place(uv: Array, depth_mm: float) -> Array:
+    def place(uv: Array, depth_mm: float | Array) -> Array:
         return laid.frame_at_centre.to_space(np.column_stack([uv, np.full(len(uv), top - depth_mm)]))
 
     levels = (Level(0.0, False), Level(top - bottom, False))
