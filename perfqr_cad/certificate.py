@@ -50,6 +50,12 @@ def summary(design: Design) -> str:
         f"{'valid' if solid.valid else 'NOT VALID'}",
         f"scan      read by {readers}",
     ]
+    if (solid_check := design.verified) is not None:
+        stress_mpa, deflection_mm = solid_check.solid_stress_mpa, solid_check.solid_deflection_mm
+        line = (
+            f"in 3-D    {stress_mpa:.3g} MPa, deflection {deflection_mm:.3g} mm, the walls taken as upright"
+        )
+        lines.insert(4, line)
     lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings, *design.scan.warnings)]
     lines += [f"wrote     {record.path} ({record.bytes:,} bytes)" for record in design.files]
     return "\n".join(lines)

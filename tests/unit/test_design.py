@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ import perfqr_cad
 from perfqr_cad import DesignError, Request, make, progress
 from perfqr_cad.design import Design, _require_readable
 from perfqr_cad.scan import DecoderResult, ScanReport
+from perfqr_cad.structure import SolidCheck
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +48,13 @@ def test_the_summary_names_payload_and_readers(design: Design) -> None:
     summary = design.summary()
     assert "HELLO 123" in summary
     assert all(reader in summary for reader in design.scan.readers)
+
+
+def test_the_summary_tells_of_the_check_in_three_dimensions(design: Design) -> None:
+    check = SolidCheck(0.012, 0.01, 0.34, 0.3, 1000, "cholmod")
+    lines = replace(design, verified=check).summary().splitlines()
+    assert "in 3-D    0.34 MPa, deflection 0.012 mm, the walls taken as upright" in lines
+    assert not any(line.startswith("in 3-D") for line in design.summary().splitlines())
 
 
 def test_the_same_request_gives_the_same_bytes(design: Design, tmp_path: Path) -> None:
