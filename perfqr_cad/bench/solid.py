@@ -40,7 +40,7 @@ def run() -> Table:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "part.step"
         for placement in (plate, *curved.values()):
-            _parts(_pattern(1), placement, path)  # loads the libraries
+            _parts(_pattern(3), placement, path)  # loads the libraries
         times, solid = _parts(eight, plate, path)
         total = sum(times.values())
         rows: list[tuple[Any, ...]] = [_row("version 8, plate, filleted", times, total, 1.0)]
