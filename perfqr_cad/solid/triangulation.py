@@ -40,14 +40,17 @@ def delaunay(polygons: Sequence[Array]) -> Indices:
 
 
 def _cut(regions: NDArray[np.object_], points: Array) -> Indices:
-    """Constrained Delaunay triangles of some regions, whose corners are among the points."""
-    return _indexed(shapely.constrained_delaunay_triangles(regions), points)
+    """Constrained Delaunay triangles of some regions, whose corners are among the points.
+
+    GEOS gives all of them clockwise. Flat ones, between corners in a line, stay: without them gaps would.
+    """
+    return _indexed(shapely.constrained_delaunay_triangles(regions), points)[:, ::-1]
 
 
 def _indexed(triangles: Any, points: Array) -> Indices:
     """Triangles by the places of their corners among the points."""
     corners = shapely.get_coordinates(triangles)  # the first corner of each repeated
-    return _turned(_found(corners.reshape(-1, 4, 2)[:, :3].reshape(-1, 2), points).reshape(-1, 3), points)
+    return _found(corners.reshape(-1, 4, 2)[:, :3].reshape(-1, 2), points).reshape(-1, 3)
 
 
 def _patched(outline: shapely.Polygon, polygons: Sequence[Array], points: Array) -> Indices:
@@ -76,7 +79,7 @@ def _patched(outline: shapely.Polygon, polygons: Sequence[Array], points: Array)
 
 def _uncrossed(outline: shapely.Polygon, rim: Indices, points: Array) -> Indices:
     """The Delaunay triangles of all points that lie in the outline, to the left of its sides `rim` (n, 2)."""
-    faces = _indexed(shapely.delaunay_triangles(shapely.MultiPoint(points)), points)
+    faces = _turned(_indexed(shapely.delaunay_triangles(shapely.MultiPoint(points)), points), points)
     sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     either = np.sort(np.concatenate([_key(sides), _key(sides[:, ::-1])]))
     missing = points[rim[~among(_key(rim), either)]]
