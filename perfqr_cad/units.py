@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-MM_PER_INCH = 25.4  # ISO 80000-3: exact
 PA_PER_MPA = 1.0e6
 MM3_PER_CM3 = 1.0e3
 
@@ -11,11 +10,6 @@ MM3_PER_CM3 = 1.0e3
 def mpa_from_pa(pressure_pa: float) -> float:
     """Pressure in MPa (N/mm²) from pascal: the paper's 5 Pa is 5e-6 MPa."""
     return pressure_pa / PA_PER_MPA
-
-
-def mm_from_inch(length_inch: float) -> float:
-    """Length in mm from inches."""
-    return length_inch * MM_PER_INCH
 
 
 def grams(volume_mm3: float, density_kg_m3: float) -> float:

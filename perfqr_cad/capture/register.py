@@ -20,9 +20,8 @@ from perfqr_cad.symbol import Role, layout
 SPACING = 3  # template samples along a module
 WORK_MODULE_PX = 6.0  # pixels a module in the working copy of the picture
 MARGIN_MODULES = 4.0  # of the working copy around the symbol
-Stage = tuple[str, float, int]  # known modules, blur in modules, iterations
-FLAT_STAGES: tuple[Stage, ...] = (("finders", 1.0, 8), ("all", 0.8, 8), ("all", 0.5, 6))
-FINDER_STAGES: tuple[Stage, ...] = (("finders", 1.0, 8), ("finders", 0.5, 6))
+# Of the fit, coarse to fine: known modules, blur in modules, iterations.
+STAGES = (("finders", 1.0, 8), ("all", 0.8, 8), ("all", 0.5, 6))
 CONVERGED = 2e-4  # step in units of half a symbol
 NORMALISE_MODULES = 7  # window in which brightness and contrast are evened out: a finder
 CONTRAST_FLOOR = 0.3  # of the whole symbol's contrast: below it a window is not amplified further
@@ -64,7 +63,7 @@ def workspace(picture: NDArray[np.uint8], grid: Grid) -> Workspace:
     # cv2.resize keeps the outer edges of the picture: x' + 0.5 = (x − low + 0.5) · s
     transform = np.array([[sx, 0, (0.5 - low[0]) * sx - 0.5], [0, sy, (0.5 - low[1]) * sy - 0.5], [0, 0, 1]])
     image = _evened(resized.astype(np.float32))
-    return Workspace(image, _blurred(image, FLAT_STAGES[-1][1]), transform)
+    return Workspace(image, _blurred(image, STAGES[-1][1]), transform)
 
 
 def _blurred(image: NDArray[np.float32], modules: float) -> NDArray[np.float32]:
@@ -80,7 +79,7 @@ def _evened(image: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(np.clip((image - mean) / np.maximum(spread, floor), -2.5, 2.5), np.float32)
 
 
-def register(space: Workspace, grid: Grid, stages: tuple[Stage, ...] = FLAT_STAGES) -> tuple[Grid, float]:
+def register(space: Workspace, grid: Grid) -> tuple[Grid, float]:
     """The flat grid, in the picture's pixels, that fits the function patterns best, and how well it does.
 
     The second value is the correlation in −1..1; it is negative for an inverted code.
@@ -88,7 +87,7 @@ def register(space: Workspace, grid: Grid, stages: tuple[Stage, ...] = FLAT_STAG
     inside = grid.moved(space.transform)
     # An inverted code fits as well when the picture is taken as its negative.
     sign = -1.0 if correlation(space, grid) < 0 else 1.0
-    for modules, blur, iterations in stages:
+    for modules, blur, iterations in STAGES:
         image = _blurred(space.image, blur)
         inside = _descend(image * np.float32(sign), inside, template(grid.size, modules, blur), iterations)
     back = inside.moved(np.linalg.inv(space.transform))
@@ -99,7 +98,7 @@ def correlation(space: Workspace, grid: Grid, modules: str = "all") -> float:
     """Correlation of the picture with the function patterns of the grid, −1..1."""
     if grid.module_px == 0:
         return 0.0
-    known = template(grid.size, modules, FLAT_STAGES[-1][1])
+    known = template(grid.size, modules, STAGES[-1][1])
     seen = look_up(space.smooth, grid.moved(space.transform).pixels(known.points)[None])[0]
     return _normalised_product(seen, known.values)
 
@@ -169,7 +168,6 @@ def known_modules(size: int, modules: str) -> tuple[NDArray[np.bool_], NDArray[n
     at = layout((size - 17) // 4, "L")
     roles = {
         "finders": (Role.FINDER, Role.SEPARATOR),
-        "timing": (Role.TIMING,),
         "all": (Role.FINDER, Role.SEPARATOR, Role.TIMING, Role.ALIGNMENT, Role.VERSION, Role.DARK),
     }[modules]
     return np.isin(at.roles, roles), at.function_dark

@@ -54,11 +54,6 @@ def sample(image: NDArray[np.uint8], grid: Grid) -> Samples:
     return Samples((votes @ weights.astype(np.float32)).astype(np.float64), votes)
 
 
-def hard_dark(samples: Samples, threshold: float) -> NDArray[np.bool_]:
-    """(n, n) modules most of whose Gaussian points are darker than the threshold (paper §4.2)."""
-    return np.count_nonzero(samples.votes < threshold, axis=2) * 2 > samples.votes.shape[2]
-
-
 def global_threshold(image: NDArray[np.uint8]) -> float:
     """Middle between the means of the two classes into which Otsu's method parts a picture."""
     split, _ = cv2.threshold(image, 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
