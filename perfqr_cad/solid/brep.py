@@ -96,9 +96,7 @@ class Brep:
     @property
     def following(self) -> Indices:
         """(U,) the next use of the same loop."""
-        after = np.arange(1, len(self.edges) + 1)
-        after[self.loops[1:] - 1] = self.loops[:-1]
-        return after
+        return following(self.loops)
 
     @property
     def tails(self) -> Indices:
@@ -119,6 +117,14 @@ def owners(starts: Indices) -> Indices:
 def starts_of(counts: Iterable[int] | Indices) -> Indices:
     """Where pieces of so many entries start, and the end, (n + 1,)."""
     return np.concatenate([[0], np.cumsum(np.fromiter(counts, np.int64))]).astype(np.int64)
+
+
+def following(starts: Indices) -> Indices:
+    """For a table that is cut in rings at `starts` (n + 1,), none of them empty: the entry after each, the
+    first after the last."""
+    after = np.arange(1, starts[-1] + 1)
+    after[starts[1:] - 1] = starts[:-1]
+    return after
 
 
 def numbering(size: int, rows: Indices, numbers: Indices | None = None) -> Indices:

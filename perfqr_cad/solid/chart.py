@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.pattern.outline import Loop, Segment
+from perfqr_cad.surface import Placement
 
 from .brep import Batch, CurveTable, Kind, SurfaceTable
 from .geometry import Surfaces
@@ -160,3 +161,26 @@ class Chart(Protocol):
     def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
         """Columns on stacks of segments, one segment for each level, front first."""
         ...
+
+
+Wall = TypeVar("Wall", bound=Placement)
+
+
+@dataclass(frozen=True, eq=False)
+class WallChart(Generic[Wall]):
+    """What charts of placements have in common: levels lie where the placement says, and all their surfaces
+    look at the reader."""
+
+    wall: Wall
+
+    @property
+    def thickness_mm(self) -> float:
+        return self.wall.thickness_mm
+
+    def points(self, uv: Array, depth_mm: float) -> Array:
+        """As `Chart.points`."""
+        return self.wall.at_depth(uv, depth_mm)
+
+    def towards_reader(self, depth_mm: float) -> bool:
+        """As `Chart.towards_reader`."""
+        return True

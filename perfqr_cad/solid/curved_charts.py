@@ -1,6 +1,6 @@
 # pyright: reportAttributeAccessIssue=false
 # The modeller's stubs are incomplete.
-"""Charts of curved walls of even thickness: revolved, conical, free-form."""
+"""Charts of curved walls of even thickness: revolved and conical ones, and which chart a wall takes."""
 
 from __future__ import annotations
 
@@ -23,27 +23,19 @@ from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Pnt
 from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern.outline import Line, Segment
 from perfqr_cad.surface import Cone, Cylinder, HeightField, Placement, Revolution, Revolved, Sphere
-from perfqr_cad.surface.spline import (
-    DEGREE,
-    Spline,
-    TensorSpline,
-    fitted,
-    greville,
-    refined_knots,
-    tensor_fitted,
-)
+from perfqr_cad.surface.spline import DEGREE
 
 from .brep import TOLERANCE_MM, Batch, CurveTable
-from .chart import Band, Chart, Columns, Level, Traces
+from .chart import Band, Chart, Columns, Level, Traces, WallChart
 from .fitted import Sight, lay_fitted
 from .geometry import Arcs, Cones, Curves, Lines, Planes, Surfaces
+from .height_field_chart import HeightFieldChart
 from .modelled import ModelledSurfaces
-from .occ import spline_curve, spline_surface
-from .ruled import straight
+from .occ import spline_curve
+from .offset_fit import OFFSET_FIT_MM, fitted_meridian
+from .ruled import grid_images, straight
 from .sampling import Array
 
-OFFSET_FIT_MM = 1e-6  # between the modelled back and the true offset of the front
-PIECES = (1, 2, 4, 8, 16, 32, 64)  # of each span of the front's spline, in the spline of an offset of it
 FLAT = 1e-9  # slope below which a wall is called flat
 Y = np.array([0.0, 1.0, 0.0])
 UP = gp_Dir(0, 1, 0)
@@ -66,29 +58,18 @@ def curved_chart(placement: Placement) -> Chart:
 
 
 @dataclass(frozen=True, eq=False)
-class RevolvedChart:
+class RevolvedChart(WallChart[Revolved]):
     """Around the y axis: meridians stand in planes through the axis, parallels in planes, cylinders and
     cones.
 
     Surface parameters are the angle from the far side, θ + π, and v along the meridian.
     """
 
-    wall: Revolved
     whole_circles: bool = False
     sight: Sight | None = None
 
-    @property
-    def thickness_mm(self) -> float:
-        return self.wall.thickness_mm
-
-    def points(self, uv: Array, depth_mm: float) -> Array:
-        return self.wall.at_depth(uv, depth_mm)
-
     def parameters(self, uv: Array, depth_mm: float) -> Array:
         return np.column_stack([self.wall.angle(uv) + math.pi, uv[:, 1] * self._speed])
-
-    def towards_reader(self, depth_mm: float) -> bool:
-        return True
 
     @lru_cache(maxsize=16)  # noqa: B019 - a chart lives as long as one build
     def surface(self, depth_mm: float) -> Surfaces:
@@ -147,7 +128,7 @@ class RevolvedChart:
         """Circles about the axis, planes and cones between."""
         exact = isinstance(self.wall, Cylinder | Sphere)
         tolerance = TOLERANCE_MM if exact else TOLERANCE_MM + 2 * OFFSET_FIT_MM  # other backs are fitted
-        rows, still = np.arange(len(ends)), np.zeros(len(ends))
+        rows = np.arange(len(ends))
         u, v = ends[:, 0].T
         turn = (ends[:, 1, 0] - u) / self.wall.centre_radius_mm
         ahead = np.sign(turn)
@@ -175,16 +156,10 @@ class RevolvedChart:
             planes = Planes(ya[:, None] * Y, -ahead[:, None] * Y, ray)
             angle = np.arctan2(np.abs(ra - rb), np.abs(ya - yb))
             cones = Cones(ya[:, None] * Y, rise[:, None] * Y, ray, ra, angle)
-            begin, foot, end, far_foot = (
-                np.column_stack(p) for p in ((still, still), (still, fall), (sweep, still), (sweep, fall))
-            )
-            images = tuple(
-                straight(rows, *line)
-                for line in ((begin, end), (foot, far_foot), (begin, foot), (end, far_foot))
-            )
             plane, cone = np.flatnonzero(flat), np.where(flat, -1, rows)
             outward = flat | ((ya > yb) == (ahead > 0))
             surfaces = Batch[Surfaces](plane, planes[plane]), Batch[Surfaces](rows, cones).renumbered(cone)
+            images = grid_images(rows, sweep, fall)
             drawn = tuple(tuple(b.renumbered(cone) for b in table) for table in images)
             bands.append(Band(surfaces, outward, drawn))
         return Columns(traces, tuple(bands))
@@ -226,31 +201,20 @@ def _upright(ahead: Array, ray: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class ConeChart:
+class ConeChart(WallChart[Cone]):
     """A code unrolled on a cone: its lines are geodesics, so edges are fitted and walls ruled.
 
     Surface parameters are the angle about an axis that points to the cone's wide end, and the slant length.
     """
 
-    wall: Cone
     whole_circles: bool = False
     sight: Sight | None = None
-
-    @property
-    def thickness_mm(self) -> float:
-        return self.wall.thickness_mm
-
-    def points(self, uv: Array, depth_mm: float) -> Array:
-        return self.wall.at_depth(uv, depth_mm)
 
     def parameters(self, uv: Array, depth_mm: float) -> Array:
         at = self.points(uv, depth_mm)
         angle = np.arctan2(at[:, 0], at[:, 2])
         slant = -self.wall.upward * at[:, 1] / math.cos(self.wall.half_angle_rad)
         return np.column_stack([math.pi - self.wall.upward * angle, slant])
-
-    def towards_reader(self, depth_mm: float) -> bool:
-        return True
 
     @lru_cache(maxsize=16)  # noqa: B019 - a chart lives as long as one build
     def surface(self, depth_mm: float) -> Surfaces:
@@ -262,79 +226,3 @@ class ConeChart:
 
     def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
         return lay_fitted(stacks, levels, self)
-
-
-@dataclass(frozen=True, eq=False)
-class HeightFieldChart:
-    """A code projected on z(x, y): lines stand in planes, arcs in cylinders. Surface parameters are x and
-    y."""
-
-    wall: HeightField
-    whole_circles: bool = False
-
-    @property
-    def sight(self) -> Sight:
-        return Sight(np.zeros(3), np.eye(3))
-
-    @property
-    def thickness_mm(self) -> float:
-        return self.wall.thickness_mm
-
-    def points(self, uv: Array, depth_mm: float) -> Array:
-        return self.wall.at_depth(uv, depth_mm)
-
-    def parameters(self, uv: Array, depth_mm: float) -> Array:
-        return uv
-
-    def towards_reader(self, depth_mm: float) -> bool:
-        return True
-
-    @lru_cache(maxsize=16)  # noqa: B019 - a chart lives as long as one build
-    def surface(self, depth_mm: float) -> Surfaces:
-        heights = self.wall.heights if depth_mm == 0 else fitted_heights(self.wall, depth_mm)
-        x, y = greville(heights.u_knots), greville(heights.v_knots)
-        grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
-        poles = np.concatenate([grid, heights.poles], axis=-1)
-        return ModelledSurfaces((spline_surface(poles, heights.u_knots, heights.v_knots, (DEGREE, DEGREE)),))
-
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
-        return lay_fitted(stacks, levels, self)
-
-
-def fitted_meridian(wall: Revolution, depth_mm: float) -> Spline:
-    """Radius and height over v of the meridian at a depth, within `OFFSET_FIT_MM`."""
-    knots = wall.spline.knots - wall.centre_length_mm
-    error = math.inf
-    for pieces in PIECES:
-        spline = fitted(lambda v: wall.meridian_at(v, depth_mm), refined_knots(knots, pieces))
-        v = midway(spline.knots)
-        error = float(np.linalg.norm(spline(v) - wall.meridian_at(v, depth_mm), axis=1).max())
-        if error <= OFFSET_FIT_MM:
-            return spline
-    raise KernelError(_misfit(error, depth_mm))
-
-
-def fitted_heights(wall: HeightField, depth_mm: float) -> TensorSpline:
-    """z(x, y) of the surface at a depth, within `OFFSET_FIT_MM`."""
-    error = math.inf
-    for pieces in PIECES:
-        u_knots, v_knots = (refined_knots(k, pieces) for k in (wall.heights.u_knots, wall.heights.v_knots))
-        spline = tensor_fitted(lambda at: wall.at_depth(at, depth_mm)[:, 2:], u_knots, v_knots)
-        grid = np.stack(np.meshgrid(midway(u_knots), midway(v_knots)), axis=-1).reshape(-1, 2)
-        error = float(np.abs(spline(grid)[:, 0] - wall.at_depth(grid, depth_mm)[:, 2]).max())
-        if error <= OFFSET_FIT_MM:
-            return spline
-    raise KernelError(_misfit(error, depth_mm))
-
-
-def midway(knots: Array) -> Array:
-    """Half-way between the sites of a fit, where it is checked."""
-    sites = greville(knots)
-    return (sites[1:] + sites[:-1]) / 2
-
-
-def _misfit(error_mm: float, depth_mm: float) -> str:
-    return (
-        f"the surface {depth_mm:g} mm behind the front misses its spline by {error_mm:.1e} mm "
-        f"(limit {OFFSET_FIT_MM:g} mm): take a smoother front or a thinner wall"
-    )

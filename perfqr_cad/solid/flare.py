@@ -15,14 +15,15 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.outline import Arc, Loop, Region, Segment
 
-from .brep import owners, starts_of
+from .brep import following, owners, starts_of
 from .offset import widened
 from .sampling import Array, Indices, corners, pieces
+from .vectors import left, unit
 
 WEB_CHORD_MM = 0.002  # curves are measured by chords this close
 
 LEAST_WEB_MM = 1e-3  # at the back, where no minimum is asked for: holes must not touch
-HALVINGS = 6  # of the flares beside a web that comes out too thin
+ROUNDS = 6  # of giving way: flares beside a web that comes out too thin are halved, in the last two dropped
 # Corners of two holes that meet diagonally give way along their mitres, a little more than edges.
 WEB_SLACK = 0.02
 ALONG = 0.3  # sine (17°) below which a tie runs along a segment rather than away from it
@@ -34,7 +35,8 @@ class NoFlare(DesignError):
 
 @dataclass(frozen=True)
 class Flared:
-    """A loop at the back, and by how much each of its segments was set back for that, (k,) mm."""
+    """A loop at the back, and by how much its segments were to be set back for that, (k,) mm; where one would
+    vanish, `widened` sets it back less."""
 
     loop: Loop
     set_back_mm: Array
@@ -56,12 +58,12 @@ def settled(front: Sequence[Region], flare_mm: float, min_web_mm: float) -> list
     own = [slice(a, b) for a, b in pairwise(outlines.starts[1:].tolist())]
     doubtful = np.arange(outlines.starts[1], outlines.starts[-1])
     wide = widened(inner, back[doubtful])
-    for attempt in range(HALVINGS):
+    for attempt in range(ROUNDS):
         found = Outlines.of(_replaced(front, wide)).webs(least, doubtful)
         thin = doubtful[found < limits[doubtful]]
         if not len(thin):
             break
-        back[thin] *= 0.5 if attempt < HALVINGS - 2 else 0.0
+        back[thin] *= 0.5 if attempt < ROUNDS - 2 else 0.0
         changed = np.unique(outlines.loop_of_segment[thin]) - 1
         doubtful = np.flatnonzero(np.isin(outlines.loop_of_segment - 1, changed))
         again = widened([inner[k] for k in changed.tolist()], back[doubtful])
@@ -174,16 +176,12 @@ class Outlines:
     def _left(self) -> Array:
         """(k, 2) unit normals of the chords, into the material."""
         ends = np.array([(s.start, s.end) for s in self.segments])
-        ahead = ends[:, 1] - ends[:, 0]
-        length = np.hypot(*ahead.T)
-        return np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.where(length > 0, length, 1.0)[:, None]
+        return left(unit(ends[:, 1] - ends[:, 0]))
 
     @cached_property
     def _after(self) -> Indices:
         """(k,) the next segment of the same loop."""
-        after = np.arange(1, len(self.segments) + 1)
-        after[self.starts[1:] - 1] = self.starts[:-1]
-        return after
+        return following(self.starts)
 
     def _neighbours(self, first: Indices, second: Indices) -> NDArray[np.bool_]:
         """Pairs that meet at a corner, sharp or rounded: no web lies between them."""

@@ -14,7 +14,6 @@ from OCP.BRep import BRep_Builder
 from OCP.Geom import (
     Geom_Circle,
     Geom_ConicalSurface,
-    Geom_Curve,
     Geom_CylindricalSurface,
     Geom_Line,
     Geom_Plane,
@@ -37,7 +36,7 @@ from OCP.TopoDS import (
 
 from .brep import TOLERANCE_MM, Brep
 from .geometry import Arcs, Cones, Curves, Lines, Planes, Splines, SplineSurfaces, Surfaces
-from .modelled import ModelledCurves, ModelledSurfaces
+from .modelled import ModelledCurves, ModelledSurfaces, Run
 from .occ import (
     FORWARD,
     REVERSED,
@@ -55,8 +54,6 @@ BUILDER = BRep_Builder()
 NOWHERE = TopLoc_Location()
 SAME_SPEED = 1e-9  # share by which an image may be longer than its edge and still be drawn at unit speed
 
-Course = tuple[Geom_Curve, float, float]
-
 
 class KernelShape:
     """The edges of a boundary representation, and its faces on demand: some may belong to another shell."""
@@ -64,17 +61,15 @@ class KernelShape:
     def __init__(self, brep: Brep) -> None:
         self._brep = brep
         self._surfaces = _by_row(brep.face_count, ((b.rows, _surfaces(b.of)) for b in brep.surfaces))
-        courses = _by_row(len(brep.ends), ((b.rows, _courses(b.of)) for b in brep.curves))
+        runs = _by_row(len(brep.ends), ((b.rows, _runs(b.of)) for b in brep.curves))
         slack = np.zeros(len(brep.points))
         np.maximum.at(slack, brep.ends.ravel(), np.repeat(brep.tolerance_mm, 2))
         vertices = [_vertex(p, tol) for p, tol in zip(brep.points, slack.tolist(), strict=True)]
         self._edges = [
-            _edge(course, tol, vertices[a], vertices[b])
-            for course, tol, (a, b) in zip(
-                courses, brep.tolerance_mm.tolist(), brep.ends.tolist(), strict=True
-            )
+            _edge(run, tol, vertices[a], vertices[b])
+            for run, tol, (a, b) in zip(runs, brep.tolerance_mm.tolist(), brep.ends.tolist(), strict=True)
         ]
-        self._draw(courses)
+        self._draw(runs)
 
     def wires(self, face: int) -> list[TopoDS_Wire]:
         """The loops of a face, as seen from outside."""
@@ -104,14 +99,14 @@ class KernelShape:
         wire.Closed(True)
         return wire
 
-    def _draw(self, courses: Sequence[Course]) -> None:
+    def _draw(self, runs: Sequence[Run]) -> None:
         """Give the edges their images; an edge that a face meets from both sides, a seam, has two."""
         brep = self._brep
         face_of, edges = brep.face_of_use.tolist(), brep.edges.tolist()
         found: dict[tuple[int, int], list[tuple[int, Geom2d_Curve]]] = defaultdict(list)
         for batch in brep.images:
             rows = batch.rows.tolist()
-            for use, image in zip(rows, _images(batch.of, [courses[edges[u]] for u in rows]), strict=True):
+            for use, image in zip(rows, _images(batch.of, [runs[edges[u]] for u in rows]), strict=True):
                 found[edges[use], face_of[use]].append((use, image))
         for (edge, face), images in found.items():
             tolerance = float(brep.tolerance_mm[edge])
@@ -119,7 +114,7 @@ class KernelShape:
             turned = [bool(brep.ahead[use] != brep.outward[face]) for use, _ in images]
             curves = [images[i][1] for i in np.argsort(turned, kind="stable").tolist()]
             BUILDER.UpdateEdge(self._edges[edge], *curves, self._surfaces[face], NOWHERE, tolerance)
-            BUILDER.Range(self._edges[edge], *courses[edge][1:])
+            BUILDER.Range(self._edges[edge], runs[edge].first, runs[edge].last)
 
 
 def with_wires(face: TopoDS_Face, wires: Iterable[TopoDS_Wire], outward: bool) -> TopoDS_Face:
@@ -164,31 +159,30 @@ def _vertex(p: Array, tolerance_mm: float) -> TopoDS_Vertex:
     return vertex
 
 
-def _edge(course: Course, tolerance_mm: float, start: TopoDS_Vertex, end: TopoDS_Vertex) -> TopoDS_Edge:
-    curve, first, last = course
+def _edge(run: Run, tolerance_mm: float, start: TopoDS_Vertex, end: TopoDS_Vertex) -> TopoDS_Edge:
     edge = TopoDS_Edge()
-    BUILDER.MakeEdge(edge, curve, tolerance_mm)
+    BUILDER.MakeEdge(edge, run.curve, tolerance_mm)
     BUILDER.Add(edge, start.Oriented(FORWARD))
     BUILDER.Add(edge, end.Oriented(REVERSED))
-    BUILDER.Range(edge, first, last)
+    BUILDER.Range(edge, run.first, run.last)
     return edge
 
 
-def _courses(curves: Curves) -> list[Course]:
+def _runs(curves: Curves) -> list[Run]:
     """Curves in space, and the parameters where edges start and end."""
     match curves:
         case Lines():
             ends = zip(curves.start, curves.end - curves.start, curves.length.tolist(), strict=True)
-            return [(Geom_Line(pnt(p), direction(d)), 0.0, length) for p, d, length in ends]
+            return [Run(Geom_Line(pnt(p), direction(d)), 0.0, length) for p, d, length in ends]
         case Arcs():
             frames = zip(curves.centre, curves.axis, curves.x, strict=True)
             sizes = zip(curves.radius.tolist(), curves.sweep.tolist(), strict=True)
             return [
-                (Geom_Circle(gp_Ax2(pnt(c), direction(z), direction(x)), radius), 0.0, sweep)
+                Run(Geom_Circle(gp_Ax2(pnt(c), direction(z), direction(x)), radius), 0.0, sweep)
                 for (c, z, x), (radius, sweep) in zip(frames, sizes, strict=True)
             ]
         case Splines():
-            return [(spline_curve(poles, curves.knots, curves.degree), 0.0, 1.0) for poles in curves.poles]
+            return [Run(spline_curve(poles, curves.knots, curves.degree), 0.0, 1.0) for poles in curves.poles]
         case ModelledCurves():
             return list(curves.runs)
         case _:
@@ -221,20 +215,20 @@ def _surfaces(surfaces: Surfaces) -> Sequence[Geom_Surface]:
             raise TypeError(type(surfaces).__name__)
 
 
-def _images(images: Curves, courses: Sequence[Course]) -> list[Geom2d_Curve]:
+def _images(images: Curves, runs: Sequence[Run]) -> list[Geom2d_Curve]:
     """Images by the parameters of their edges."""
     match images:
         case Lines():
             drops = zip(images.start.tolist(), images.end.tolist(), images.length.tolist(), strict=True)
-            return [_line(*drop, *course[1:]) for drop, course in zip(drops, courses, strict=True)]
+            return [_line(*drop, run.first, run.last) for drop, run in zip(drops, runs, strict=True)]
         case Splines():
             knots = np.array(images.knots)
             return [
                 spline_curve_2d(poles, first + knots * (last - first), images.degree)
-                for poles, (_, first, last) in zip(images.poles, courses, strict=True)
+                for poles, (_, first, last) in zip(images.poles, runs, strict=True)
             ]
         case ModelledCurves():
-            return [run[0] for run in images.runs]
+            return [run.curve for run in images.runs]
         case _:
             raise TypeError(type(images).__name__)
 

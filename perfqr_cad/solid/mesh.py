@@ -17,6 +17,7 @@ import numpy as np
 from perfqr_cad.pattern.outline import Point, Segment
 from perfqr_cad.surface import Triangles
 
+from .brep import following, starts_of
 from .caps import caps
 from .chart import Well
 from .recess import Top
@@ -156,9 +157,7 @@ class _Mesh:
     def walls(self, storeys: Sequence[tuple[Indices, Indices]]) -> None:
         """Quads between the upper and the lower ring of each, outside to the right of travel."""
         upper, lower = (np.concatenate(rings) for rings in zip(*storeys, strict=True))
-        ends = np.cumsum([len(ring) for ring, _ in storeys])
-        after = np.arange(1, len(upper) + 1)
-        after[ends - 1] = np.concatenate([[0], ends[:-1]])
+        after = following(starts_of(len(ring) for ring, _ in storeys))
         self._faces += [
             np.column_stack([lower, lower[after], upper[after]]),
             np.column_stack([lower, upper[after], upper]),
@@ -205,9 +204,9 @@ class _Seam:
         """Lay a ring; at the level of the tops its corners are new only where no other ring has laid them."""
         if ring.depths_mm[k] != self.depth_mm:
             return self._mesh.ring(ring.levels[k], ring.depths_mm[k])
-        starts = np.concatenate([[0], np.cumsum(ring.pieces)])
         found: list[Indices] = []
-        for segment, a, b in zip(ring.well.loops[k].segments, starts, starts[1:], strict=False):
+        sides = pairwise(starts_of(ring.pieces).tolist())
+        for segment, (a, b) in zip(ring.well.loops[k].segments, sides, strict=True):
             ends = segment.start, segment.end
             if ends not in self._sides:
                 uv = ring.levels[k][a:b]

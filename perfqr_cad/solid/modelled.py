@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from OCP.Geom import Geom_Curve, Geom_Surface
@@ -18,8 +19,14 @@ from .sampling import Array, Indices
 
 # Points from which a surface is evaluated at once; before, preparing that costs more.
 MANY = 64
-# A curve and the parameters where it starts and ends.
-Run = tuple[Geom_Curve | Geom2d_Curve, float, float]
+
+
+class Run(NamedTuple):
+    """A curve of the modeller, in space or in parameters, from one of its own parameters to another."""
+
+    curve: Geom_Curve | Geom2d_Curve
+    first: float
+    last: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +42,7 @@ class ModelledCurves:
         return ModelledCurves(tuple(self.runs[i] for i in rows.tolist()))
 
     def at(self, fractions: Array) -> tuple[Array, Array]:
-        flat = bool(self.runs) and isinstance(self.runs[0][0], Geom2d_Curve)
+        flat = bool(self.runs) and isinstance(self.runs[0].curve, Geom2d_Curve)
         p, slope = (gp_Pnt2d(), gp_Vec2d()) if flat else (gp_Pnt(), gp_Vec())
         points: list[tuple[float, ...]] = []
         slopes: list[tuple[float, ...]] = []

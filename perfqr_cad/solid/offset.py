@@ -20,12 +20,13 @@ from scipy.sparse.csgraph import connected_components
 
 from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Loop, Segment
 
-from .brep import owners, starts_of
+from .brep import following, owners, starts_of
 from .sampling import Array, Indices
+from .vectors import cross, crossing, left, unit
 
 SMOOTH = 1e-6  # sine of the turn below which two segments join smoothly
 EVEN = 0.35  # sine of the turn (20°) below which a mitre between unlike flares would be a long spike
-HALVINGS = 8  # of a flare that closes an edge; after the last it is dropped
+ROUNDS = 8  # of giving way: the flare of an edge that closes is halved, in the last two dropped
 REACH = 2  # an edge and so many neighbours on either side, rounded corners between them included
 SHORTEST = 0.05  # an edge that keeps less of its length than this counts as closed
 MOST_TURN_RAD = 1.0  # an arc whose sweep changes more has closed and come out on the other side
@@ -48,10 +49,10 @@ def widened(loops: Sequence[Loop], flares_mm: Array, share: float = 1.0) -> list
     back = flares_mm.copy()
     moved = chain.set_back(back)
     bad = chain.turned_over(moved)
-    for attempt in range(HALVINGS):
+    for attempt in range(ROUNDS):
         if not bad.any():
             break
-        back[chain.around(bad)] *= 0.5 if attempt < HALVINGS - 2 else 0.0
+        back[chain.around(bad)] *= 0.5 if attempt < ROUNDS - 2 else 0.0
         moved = chain.set_back(back)
         bad = chain.turned_over(moved)
     given_up = np.unique(chain.loop[bad]).tolist()
@@ -108,9 +109,7 @@ class _Chain:
     @cached_property
     def after(self) -> Indices:
         """(k,) the next segment of the same loop."""
-        after = np.arange(1, len(self.loop) + 1)
-        after[self.start[1:] - 1] = self.start[:-1]
-        return after
+        return following(self.start)
 
     @cached_property
     def before(self) -> Indices:
@@ -126,8 +125,8 @@ class _Chain:
         chord = (self.points[:, 3] - self.points[:, 0])[:, None].repeat(2, axis=1)
         rays = self.points[:, [0, 3]] - self.centre[:, None]
         tangents = np.where(self._bezier[:, None, None], legs, chord)
-        tangents = np.where(self._round[:, None, None], self.side[:, None, None] * _left(rays), tangents)
-        one, two = _unit(tangents).swapaxes(0, 1)
+        tangents = np.where(self._round[:, None, None], self.side[:, None, None] * left(rays), tangents)
+        one, two = unit(tangents).swapaxes(0, 1)
         return one, two
 
     @cached_property
@@ -135,7 +134,7 @@ class _Chain:
         """(k,) arcs tangent to a line on either side, which make a corner (a slot's end does not)."""
         begin, end = self.ahead
         smooth = self._smooth(SMOOTH)
-        turn = np.abs(_cross(end[self.before], begin[self.after]))
+        turn = np.abs(cross(end[self.before], begin[self.after]))
         lines = ~self._round & ~self._bezier
         arcs = self._round & lines[self.before] & lines[self.after]
         return arcs & smooth[self.before] & smooth & (turn > EVEN) & (np.abs(self._sweep(None)) < math.pi)
@@ -209,7 +208,7 @@ class _Chain:
     def _smooth(self, sine: float) -> NDArray[np.bool_]:
         """(k,) whether each segment goes on into the next without a corner."""
         one, two = self.ahead[1], self.ahead[0][self.after]
-        return (np.abs(_cross(one, two)) < sine) & (np.einsum("ki,ki->k", one, two) > 0)
+        return (np.abs(cross(one, two)) < sine) & (np.einsum("ki,ki->k", one, two) > 0)
 
     def _sweep(self, moved: _Moved | None) -> Array:
         """(k,) angles that arcs turn, rad, positive counter-clockwise."""
@@ -239,19 +238,19 @@ class _Chain:
         reach = self.side[i] * radius  # the centre lies to the left of a counter-clockwise arc
         before, after = self.before[i], self.after[i]
         d, e = self.ahead[1][before], self.ahead[0][after]
-        p = self.points[before, 3] + (back[before] + reach)[:, None] * _left(d)
-        q = self.points[after, 0] + (back[after] + reach)[:, None] * _left(e)
-        centre = _crossing(p, d, q, e)
-        return centre, centre - reach[:, None] * _left(d), centre - reach[:, None] * _left(e)
+        p = self.points[before, 3] + (back[before] + reach)[:, None] * left(d)
+        q = self.points[after, 0] + (back[after] + reach)[:, None] * left(e)
+        centre = crossing(p, d, q, e)
+        return centre, centre - reach[:, None] * left(d), centre - reach[:, None] * left(e)
 
     def _corners(self, back: Array, radius: Array) -> Array:
         """Where each set-back segment meets the one before, (k, 2)."""
         before = self.before
         d, e = self.ahead[1][before], self.ahead[0]
-        p = self.points[before, 3] + back[before][:, None] * _left(d)
-        q = self.points[:, 0] + back[:, None] * _left(e)
+        p = self.points[before, 3] + back[before][:, None] * left(d)
+        q = self.points[:, 0] + back[:, None] * left(e)
         smooth = self._smooth(SMOOTH)[before]
-        meet = np.where(smooth[:, None], q, _crossing(p, d, q, e))
+        meet = np.where(smooth[:, None], q, crossing(p, d, q, e))
         # On arcs the tangents only give the first guess: Newton on both offset curves' equations.
         rows = np.flatnonzero(~smooth & (self._round | self._round[before]) & np.isfinite(meet).all(axis=1))
         for _ in range(MOST_STEPS):
@@ -271,11 +270,11 @@ class _Chain:
         gradient (k, 2)."""
         ray = at - self.centre[of]
         reach = np.hypot(*ray.T)
-        from_line = np.einsum("ki,ki->k", at - point, _left(way))
+        from_line = np.einsum("ki,ki->k", at - point, left(way))
         round_ = self._round[of]
         return (
             np.where(round_, reach - radius[of], from_line),
-            np.where(round_[:, None], ray / np.where(reach > 0, reach, 1.0)[:, None], _left(way)),
+            np.where(round_[:, None], ray / np.where(reach > 0, reach, 1.0)[:, None], left(way)),
         )
 
     def _controls(self, back: Array) -> Array:
@@ -284,29 +283,10 @@ class _Chain:
         inner = np.zeros((len(back), 2, 2))
         i = np.flatnonzero(self._bezier)
         p, shift = self.points[i], back[i, None]
-        ways = _unit(np.diff(p, axis=1)).swapaxes(0, 1)
+        ways = unit(np.diff(p, axis=1)).swapaxes(0, 1)
         for k in (0, 1):
             d, e = ways[k], ways[k + 1]
-            straight = np.abs(_cross(d, e)) < SMOOTH
-            meet = _crossing(p[:, k] + shift * _left(d), d, p[:, k + 1] + shift * _left(e), e)
-            inner[i, k] = np.where(straight[:, None], p[:, k + 1] + shift * _left(d), meet)
+            straight = np.abs(cross(d, e)) < SMOOTH
+            meet = crossing(p[:, k] + shift * left(d), d, p[:, k + 1] + shift * left(e), e)
+            inner[i, k] = np.where(straight[:, None], p[:, k + 1] + shift * left(d), meet)
         return inner
-
-
-def _crossing(p: Array, d: Array, q: Array, e: Array) -> Array:
-    """Where lines through p and q (k, 2) along d and e cross; not finite where they are parallel."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return p + d * (_cross(q - p, e) / _cross(d, e))[:, None]
-
-
-def _cross(a: Array, b: Array) -> Array:
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-
-
-def _left(d: Array) -> Array:
-    return np.stack([-d[..., 1], d[..., 0]], axis=-1)
-
-
-def _unit(d: Array) -> Array:
-    length = np.hypot(d[..., 0], d[..., 1])
-    return d / np.where(length > 0, length, 1.0)[..., None]

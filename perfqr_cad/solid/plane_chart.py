@@ -14,9 +14,9 @@ from perfqr_cad.pattern.outline import Bezier, Line, Segment
 from perfqr_cad.surface import Plane
 
 from .brep import TOLERANCE_MM, Batch, CurveTable
-from .chart import Band, Columns, Images, Level, Traces
+from .chart import Band, Columns, Images, Level, Traces, WallChart
 from .geometry import Arcs, Cones, Curves, Lines, Planes, Splines, SplineSurfaces, Surfaces
-from .ruled import box_images, oblique, spans_of, straight
+from .ruled import box_images, grid_images, oblique, spans_of
 from .sampling import Array, Indices, by_kind, rounds
 
 UP, ALONG = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
@@ -26,25 +26,14 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneChart:
+class PlaneChart(WallChart[Plane]):
     """Levels are horizontal planes; lines stand in planes, arcs in cylinders and cones, Béziers in ruled
     faces."""
 
-    plate: Plane
     whole_circles: bool = True
-
-    @property
-    def thickness_mm(self) -> float:
-        return self.plate.thickness_mm
-
-    def points(self, uv: Array, depth_mm: float) -> Array:
-        return self.plate.at_depth(uv, depth_mm)
 
     def surface(self, depth_mm: float) -> Planes:
         return Planes(np.array([[0.0, 0.0, self._z(depth_mm)]]), UP[None], ALONG[None])
-
-    def towards_reader(self, depth_mm: float) -> bool:
-        return True
 
     def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
         kinds = {kind: rows for kind, rows in by_kind([stack[0] for stack in stacks]).items() if len(rows)}
@@ -60,7 +49,7 @@ class PlaneChart:
         return Columns(traces, tuple(_band(upper, lower, len(stacks)) for upper, lower in pairwise(drawn)))
 
     def _z(self, depth_mm: float) -> float:
-        return self.plate.thickness_mm - depth_mm
+        return self.thickness_mm - depth_mm
 
 
 def _drawn(segments: Sequence[Segment], kind: type, z: float) -> Curves:
@@ -154,16 +143,7 @@ def _cones(rows: Indices, upper: Arcs, lower: Arcs) -> _Walls:
     slant = np.where(cone, np.hypot(wider, drop), drop)
     fall = np.where(up, -slant, slant)
     turn = np.where(up == ccw, upper.sweep, -upper.sweep)  # the surface's angle against the arc's
-    none = np.zeros(len(rows))
-    begin, foot, end, far_foot = (
-        np.column_stack(uv) for uv in ((none, none), (none, fall), (turn, none), (turn, fall))
-    )
-    images = (
-        straight(rows, begin, end),
-        straight(rows, foot, far_foot),
-        straight(rows, begin, foot),
-        straight(rows, end, far_foot),
-    )
     axis = UP * np.where(up, 1.0, -1.0)[:, None]
     angle = np.where(cone, np.arctan2(np.abs(wider), drop), 0.0)
-    return _Walls(rows, Cones(upper.centre, axis, upper.x, upper.radius, angle), images, ccw)
+    cones = Cones(upper.centre, axis, upper.x, upper.radius, angle)
+    return _Walls(rows, cones, grid_images(rows, turn, fall), ccw)

@@ -27,7 +27,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
 
 from . import flux
-from .brep import Brep, owners
+from .brep import Brep, following, owners
 from .samples import Samples
 from .sampling import Array, Indices
 
@@ -172,9 +172,7 @@ def _loops(samples: Samples) -> list[str]:
 
 def _areas(corners: Array, starts: Indices) -> Array:
     """Signed areas (L,) of polygons."""
-    after = np.arange(1, len(corners) + 1)
-    after[starts[1:] - 1] = starts[:-1]
-    (x, y), (x1, y1) = corners.T, corners[after].T
+    (x, y), (x1, y1) = corners.T, corners[following(starts)].T
     return np.add.reduceat(x * y1 - x1 * y, starts[:-1]) / 2
 
 

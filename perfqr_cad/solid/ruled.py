@@ -31,6 +31,21 @@ def box_images(rows: Indices, u: float = 1.0) -> Images:
     )
 
 
+def grid_images(rows: Indices, turn: Array, fall: Array) -> Images:
+    """The images of a cylinder's or cone's edges: along it by some angles `turn` (k,) rad from 0, down its
+    rulings by lengths `fall` (k,) mm from 0."""
+    none = np.zeros(len(rows))
+    begin, foot, end, far_foot = (
+        np.column_stack(uv) for uv in ((none, none), (none, fall), (turn, none), (turn, fall))
+    )
+    return (
+        straight(rows, begin, end),
+        straight(rows, foot, far_foot),
+        straight(rows, begin, foot),
+        straight(rows, end, far_foot),
+    )
+
+
 def oblique(top: Arcs, bottom: Arcs, spans: int, rows: Indices) -> tuple[SplineSurfaces, Images]:
     """The ruled faces between circular arcs that are not concentric: oblique cones or cylinders, exact, of so
     many rational spans.

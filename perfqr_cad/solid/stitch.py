@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.pattern.outline import Loop, Point
 
-from .brep import TOLERANCE_MM, Batch, Brep, CurveTable, SurfaceTable, numbering, owners, starts_of
+from .brep import TOLERANCE_MM, Batch, Brep, CurveTable, SurfaceTable, following, numbering, owners, starts_of
 from .caps import FIRST, Cap
 from .chart import Chart, Columns, Well
 from .geometry import Curves, Lines, Surfaces
@@ -27,7 +27,7 @@ from .sections import Sections
 LOWER, END, UPPER, START = range(4)
 SIDES = 4
 
-Run = tuple[Indices, NDArray[np.bool_]]  # rings of a loop, and which way each is run through
+Walk = tuple[Indices, NDArray[np.bool_]]  # rings of a loop, and which way each is gone through
 
 
 def panel(sections: Sections, chart: Chart) -> Brep:
@@ -38,8 +38,8 @@ def panel(sections: Sections, chart: Chart) -> Brep:
     rings = Rings.of(sections)
     loops = [[rings.end(*end) for end in cap.ends] for cap in sections.caps]
     loops += [[rings.along(top.loop)] for top in sections.tops]
-    runs = [run for face in loops for run in face]
-    cap_uses, cap_ahead = (np.concatenate(part) for part in zip(*runs, strict=True))
+    walks = [walk for face in loops for walk in face]
+    cap_uses, cap_ahead = (np.concatenate(part) for part in zip(*walks, strict=True))
     count, upper = len(rings.edge), np.flatnonzero(rings.below >= 0)
     drops = rings.edge_count + np.arange(len(upper))
     drop = numbering(count, upper, drops)
@@ -64,7 +64,7 @@ def panel(sections: Sections, chart: Chart) -> Brep:
         edges=np.concatenate([rings.edge[cap_uses], np.column_stack(walls).ravel()]),
         ahead=np.concatenate([cap_ahead, np.tile([True, False, False, True], len(upper))]),
         images=laid.images,
-        loops=starts_of([*(len(run) for run, _ in runs), *[SIDES] * len(upper)]),
+        loops=starts_of([*(len(walk) for walk, _ in walks), *[SIDES] * len(upper)]),
         bounds=starts_of([*map(len, loops), *[1] * len(upper)]),
         surfaces=(*surfaces, *(batch.renumbered(faces) for batch in laid.surfaces)),
         outward=np.concatenate([outward, laid.outward]),
@@ -98,12 +98,13 @@ class Rings:
     def of(sections: Sections) -> Rings:
         wells = sections.wells
         size = np.array([len(well.loops[0].segments) for well in wells])
-        start = starts_of(size * [len(well.levels) for well in wells])
+        levels = np.array([len(well.levels) for well in wells])
+        start = starts_of(size * levels)
         number = np.arange(start[-1])
         well = owners(start)
-        n, local = size[well], number - start[well]
-        after = np.where(local % n == n - 1, number - n + 1, number + 1)
-        below = np.where(number + n < start[well + 1], number + n, -1)
+        after = following(starts_of(np.repeat(size, levels)))
+        under = number + size[well]
+        below = np.where(under < start[well + 1], under, -1)
         corner, side = number.copy(), number.copy()
         corners: dict[Point, int] = {}
         seam: dict[tuple[Point, Point], int] = {}
@@ -118,14 +119,14 @@ class Rings:
     def edge_count(self) -> int:
         return int(self.edge.max()) + 1
 
-    def end(self, well: int, end: int) -> Run:
+    def end(self, well: int, end: int) -> Walk:
         """The first or last loop of a well, as seen from outside."""
         step = np.arange(self.size[well])
         if end == FIRST:
             return self.start[well] + step, np.ones(len(step), np.bool_)
         return self.start[well + 1] - 1 - step, np.zeros(len(step), np.bool_)
 
-    def along(self, loop: Loop) -> Run:
+    def along(self, loop: Loop) -> Walk:
         """The rings around the top of a bar."""
         ends = [(s.start, s.end) for s in loop.segments]
         ahead = [pair in self.seam for pair in ends]

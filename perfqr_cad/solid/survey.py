@@ -14,13 +14,12 @@ from OCP.BRepTools import BRepTools
 from OCP.Geom import (
     Geom_Circle,
     Geom_ConicalSurface,
-    Geom_Curve,
     Geom_CylindricalSurface,
     Geom_Line,
     Geom_Plane,
     Geom_Surface,
 )
-from OCP.Geom2d import Geom2d_Curve, Geom2d_Line
+from OCP.Geom2d import Geom2d_Line
 from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
@@ -29,17 +28,9 @@ from perfqr_cad.errors import KernelError
 
 from .brep import Batch, Brep, CurveTable, SurfaceTable, starts_of
 from .geometry import Arcs, Cones, Curves, Lines, Planes, Surfaces
-from .modelled import ModelledCurves, ModelledSurfaces
+from .modelled import ModelledCurves, ModelledSurfaces, Run
 from .occ import EDGE, FORWARD, REVERSED, SOLID, VERTEX, WIRE, count, distinct
 from .wires import children, in_order
-
-
-class Run(NamedTuple):
-    """A curve of the modeller between two parameters."""
-
-    curve: Geom_Curve | Geom2d_Curve
-    first: float
-    last: float
 
 
 class _Use(NamedTuple):

@@ -96,6 +96,16 @@ class Body:
         entering = np.einsum("ki,ki->k", self.facet_normals[triangle], directions[ray]) < 0
         return Crossings(ray, distance, triangle, self._normals_at(triangle, at), entering)
 
+    def first_entered(self, point: Array, look: Array) -> tuple[int, Array] | None:
+        """The triangle through which a look from a point (3,) along a unit direction (3,) first enters the
+        material, and where; None where it misses."""
+        found = self.crossings(point[None], look[None])
+        entering = np.flatnonzero(found.entering)
+        if not len(entering):
+            return None
+        first = entering[0]
+        return int(found.triangle[first]), point + found.distance_mm[first] * look
+
     def nearest(self, point: Array) -> tuple[int, Array]:
         """The triangle nearest to a point and the point of it that is nearest."""
         import trimesh

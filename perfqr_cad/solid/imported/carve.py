@@ -235,7 +235,7 @@ def _edges_under(host: Host, face: int, laid: Laid, depth_mm: float) -> list[sha
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
-    """Index runs of consecutive true entries, each stretched by nothing."""
+    """The places of true entries, parted where they are not consecutive."""
     index = np.flatnonzero(mask)
     return np.split(index, np.flatnonzero(np.diff(index) > 1) + 1) if len(index) else []
 

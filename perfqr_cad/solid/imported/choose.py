@@ -19,7 +19,7 @@ from perfqr_cad.solid.imported.survey import (
     survey,
     surveys,
 )
-from perfqr_cad.solid.imported.wish import Wish, triple
+from perfqr_cad.solid.imported.wish import Wish, floored, triple
 
 if TYPE_CHECKING:
     from perfqr_cad.solid.imported.host import Host
@@ -76,7 +76,7 @@ def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wish: Wish)
     largest = largest_below(size_mm, lambda size: first(size, few) is not None)
     remedy = ""
     if largest and (smaller := first(largest, few)) is not None:
-        remedy = f"; at most {_floored(largest)} mm fits: face={smaller[0] + 1}"
+        remedy = f"; at most {floored(largest)} mm fits: face={smaller[0] + 1}"
     raise DesignError(
         f"no face of {host.name!r} takes a code of {size_mm:.4g} mm; in the middle of the largest, "
         f"{reason}{remedy}"
@@ -182,16 +182,14 @@ def _at_point(host: Host, wish: Wish) -> Frame:
     index, on = host.nearest(point)
     if look is None or np.linalg.norm(on - point) < ON_FACE_MM:
         return _required(host, index, on, wish)
-    found = host.body.crossings(point[None], look[None])
-    entering = np.flatnonzero(found.entering)
-    if not len(entering):
+    entered = host.body.first_entered(point, look)
+    if entered is None:
         raise DesignError(
             f"looking from {triple(point)} along {triple(look)} meets no outer face of {host.name!r} (the "
             f"nearest is face {index + 1} at {triple(on)}): move the point, or give one on the surface"
         )
-    first = entering[0]
-    hit = point + found.distance_mm[first] * look
-    return _required(host, int(host.body.face_of[found.triangle[first]]), hit, wish)
+    triangle, hit = entered
+    return _required(host, int(host.body.face_of[triangle]), hit, wish)
 
 
 def _required(host: Host, face: int, at: Array, wish: Wish) -> Frame:
@@ -211,9 +209,4 @@ def _number(host: Host, face: int) -> int:
 
 
 def _size(largest_mm: float) -> str:
-    return f"; at most {_floored(largest_mm)} mm works there" if largest_mm > 0 else ""
-
-
-def _floored(size_mm: float) -> str:
-    """A size that surely works, in few digits."""
-    return f"{np.floor(size_mm * 100) / 100:.4g}"
+    return f"; at most {floored(largest_mm)} mm works there" if largest_mm > 0 else ""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.solid import occ
 from perfqr_cad.solid.imported import kernel
 from perfqr_cad.solid.imported.body import Array, Body, body_of_solid
 from perfqr_cad.solid.imported.skin import Skin
@@ -61,8 +62,8 @@ class Host:
     @cached_property
     def volume_mm3(self) -> float:
         """Volume, by as many points as it takes to agree with the mesh."""
-        quick, mesh = kernel.volume(self.shape), self.body.triangles.volume_mm3
-        return quick if abs(quick - mesh) < ROUGH * mesh else kernel.volume(self.shape, PRECISE)
+        quick, mesh = occ.volume(self.shape), self.body.triangles.volume_mm3
+        return quick if abs(quick - mesh) < ROUGH * mesh else occ.volume(self.shape, PRECISE)
 
     @cached_property
     def edge_points(self) -> Array:

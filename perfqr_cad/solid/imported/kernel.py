@@ -4,18 +4,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Sequence
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Iterator, Sequence
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from OCP.Bnd import Bnd_Box
+from OCP.BRep import BRep_Builder, BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Curve
+from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRepLib import BRepLib
+from OCP.GCPnts import GCPnts_AbscissaPoint
+from OCP.ShapeFix import ShapeFix_Shape
+from OCP.ShapeUpgrade import ShapeUpgrade_RemoveLocations
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face, TopoDS_Shape, TopoDS_Solid
+from OCP.TopTools import TopTools_ListOfShape
 
 from perfqr_cad.errors import KernelError
-
-if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Face, TopoDS_Shape, TopoDS_Solid
-    from OCP.TopTools import TopTools_IndexedMapOfShape
+from perfqr_cad.solid import occ
+from perfqr_cad.solid.occ import EDGE, FACE
 
 Kind = Literal["SOLID", "SHELL", "FACE", "WIRE", "EDGE", "VERTEX"]
 Array = NDArray[np.float64]
@@ -23,56 +33,22 @@ Array = NDArray[np.float64]
 MOST_EDGE_POINTS = 2000
 
 
-@contextmanager
-def quiet() -> Generator[None, None, None]:
-    """Keep the kernel's own chatter off the standard output."""
-    from OCP.Message import Message, Message_PrinterOStream
-
-    messenger = Message.DefaultMessenger_s()
-    messenger.RemovePrinters(Message_PrinterOStream.get_type_descriptor_s())
-    yield
-
-
 def explore(shape: TopoDS_Shape, kind: Kind) -> list[TopoDS_Shape]:
     """Sub-shapes of one kind, each once, in the kernel's order (the order in which CAD programs number
     them).
     """
-    from OCP import TopAbs
-    from OCP.TopExp import TopExp
-    from OCP.TopTools import TopTools_IndexedMapOfShape
-
-    found = TopTools_IndexedMapOfShape()
-    TopExp.MapShapes_s(shape, getattr(TopAbs.TopAbs_ShapeEnum, f"TopAbs_{kind}"), found)
+    found = occ.distinct(shape, getattr(TopAbs_ShapeEnum, f"TopAbs_{kind}"))
     return [found.FindKey(i) for i in range(1, found.Extent() + 1)]
 
 
 def faces(shape: TopoDS_Shape) -> list[TopoDS_Face]:
     """Faces in the kernel's order; number N of CAD programs is entry N - 1."""
-    from OCP.TopoDS import TopoDS
-
     return [TopoDS.Face_s(f) for f in explore(shape, "FACE")]
 
 
 def solids(shape: TopoDS_Shape) -> list[TopoDS_Solid]:
     """Solids in the kernel's order."""
-    from OCP.TopoDS import TopoDS
-
     return [TopoDS.Solid_s(s) for s in explore(shape, "SOLID")]
-
-
-def volume(shape: TopoDS_Shape, precision: float | None = None) -> float:
-    """Volume in mm³, signed by orientation. Without a wanted relative `precision` the kernel takes a fixed
-    number of points on each face, which on splines with many holes is off by percents.
-    """
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
-
-    properties = GProp_GProps()
-    if precision is None:
-        BRepGProp.VolumeProperties_s(shape, properties)
-    else:
-        BRepGProp.VolumeProperties_s(shape, properties, precision)
-    return float(properties.Mass())
 
 
 def volume_lost(before: TopoDS_Shape, after: TopoDS_Shape, precision: float | None = None) -> float:
@@ -82,11 +58,8 @@ def volume_lost(before: TopoDS_Shape, after: TopoDS_Shape, precision: float | No
     moves with its vertices, by much more than a hole. Over the changed faces alone the gaps cancel.
     `precision` is a share of what they bound.
     """
-    from OCP.BRep import BRep_Builder
-    from OCP.TopoDS import TopoDS_Compound
-
     old, new = explore(before, "FACE"), explore(after, "FACE")
-    kept_old, kept_new = _members(before), _members(after)
+    kept_old, kept_new = occ.distinct(before, FACE), occ.distinct(after, FACE)
     builder, changed = BRep_Builder(), TopoDS_Compound()
     builder.MakeCompound(changed)
     for face in old:
@@ -95,33 +68,19 @@ def volume_lost(before: TopoDS_Shape, after: TopoDS_Shape, precision: float | No
     for face in new:
         if not kept_old.Contains(face):
             builder.Add(changed, face.Reversed())
-    return volume(changed, precision)
-
-
-def area(face: TopoDS_Shape) -> float:
-    """Surface area in mm²."""
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
-
-    properties = GProp_GProps()
-    BRepGProp.SurfaceProperties_s(face, properties)
-    return float(properties.Mass())
+    return occ.volume(changed, precision)
 
 
 def is_valid(shape: TopoDS_Shape) -> bool:
     """The kernel's own validity check."""
-    from OCP.BRepCheck import BRepCheck_Analyzer
-
     return bool(BRepCheck_Analyzer(shape, True, True, False).IsValid())
 
 
 def healed(solid: TopoDS_Shape) -> TopoDS_Solid | None:
     """The solid after the kernel's repair, or None when that leaves anything but one solid."""
-    from OCP.ShapeFix import ShapeFix_Shape
-
     fixer = ShapeFix_Shape(solid)
-    with quiet():
-        fixer.Perform()
+    occ.silence()
+    fixer.Perform()
     found = solids(fixer.Shape())
     return found[0] if len(found) == 1 else None
 
@@ -135,9 +94,8 @@ def sound(solid: TopoDS_Solid, name: str) -> TopoDS_Solid:
         repaired = healed(solid)
         if repaired is None or not is_valid(repaired):
             raise KernelError(
-                f"the solid {name!r} is invalid and cannot be repaired: check its geometry in the CAD "
-                f"system and "
-                "export it again"
+                f"the solid {name!r} is invalid and cannot be repaired: check its geometry in the CAD system "
+                "and export it again"
             )
         solid = repaired
     return outward(grounded(solid))
@@ -147,9 +105,6 @@ def grounded(solid: TopoDS_Solid) -> TopoDS_Solid:
     """The solid with every face's surface where it lies, not moved there by a location: curves are drawn on
     it.
     """
-    from OCP.ShapeUpgrade import ShapeUpgrade_RemoveLocations
-    from OCP.TopoDS import TopoDS
-
     if solid.Location().IsIdentity() and all(face.Location().IsIdentity() for face in explore(solid, "FACE")):
         return solid
     remover = ShapeUpgrade_RemoveLocations()
@@ -162,15 +117,7 @@ def reconcile(shape: TopoDS_Shape, host: TopoDS_Shape, tolerance_mm: float) -> N
 
     A spline edge over many knots of its face may stray between the points at which its error was measured.
     """
-    from OCP.BRep import BRep_Builder
-    from OCP.BRepLib import BRepLib
-    from OCP.TopAbs import TopAbs_ShapeEnum
-    from OCP.TopExp import TopExp
-    from OCP.TopoDS import TopoDS
-    from OCP.TopTools import TopTools_IndexedMapOfShape
-
-    builder, old = BRep_Builder(), TopTools_IndexedMapOfShape()
-    TopExp.MapShapes_s(host, TopAbs_ShapeEnum.TopAbs_EDGE, old)
+    builder, old = BRep_Builder(), occ.distinct(host, EDGE)
     for edge in explore(shape, "EDGE"):
         if not old.Contains(edge):
             builder.SameParameter(TopoDS.Edge_s(edge), False)
@@ -179,22 +126,16 @@ def reconcile(shape: TopoDS_Shape, host: TopoDS_Shape, tolerance_mm: float) -> N
 
 def outward(solid: TopoDS_Solid) -> TopoDS_Solid:
     """The solid with its outside outside."""
-    from OCP.BRepLib import BRepLib
-    from OCP.TopoDS import TopoDS
-
-    if volume(solid) > 0:
+    if occ.volume(solid) > 0:
         return solid
     turned = TopoDS.Solid_s(solid.Reversed())
-    if volume(turned) <= 0:
+    if occ.volume(turned) <= 0:
         BRepLib.OrientClosedSolid_s(turned)
     return turned
 
 
 def cut(solid: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
     """`solid` less `tools` in one boolean. Raises `KernelError` unless one solid is left."""
-    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
-    from OCP.TopTools import TopTools_ListOfShape
-
     arguments, others = TopTools_ListOfShape(), TopTools_ListOfShape()
     arguments.Append(solid)
     for tool in tools:
@@ -217,9 +158,6 @@ def cut(solid: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
 
 def bounding_box(shape: TopoDS_Shape) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Least and greatest corner in mm."""
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
-
     box = Bnd_Box()
     BRepBndLib.AddOptimal_s(shape, box, False, False)
     x0, y0, z0, x1, y1, z1 = box.Get()
@@ -228,28 +166,12 @@ def bounding_box(shape: TopoDS_Shape) -> tuple[tuple[float, float, float], tuple
 
 def places_of(faces_in: Sequence[TopoDS_Face], shell: TopoDS_Shape) -> list[int]:
     """Which of the faces belong to a shell."""
-    members = _members(shell)
+    members = occ.distinct(shell, FACE)
     return [i for i, face in enumerate(faces_in) if members.Contains(face)]
-
-
-def _members(shape: TopoDS_Shape) -> TopTools_IndexedMapOfShape:
-    """The faces of a shape as a set."""
-    from OCP.TopAbs import TopAbs_ShapeEnum
-    from OCP.TopExp import TopExp
-    from OCP.TopTools import TopTools_IndexedMapOfShape
-
-    found = TopTools_IndexedMapOfShape()
-    TopExp.MapShapes_s(shape, TopAbs_ShapeEnum.TopAbs_FACE, found)
-    return found
 
 
 def edge_points(face: TopoDS_Face, step_mm: float) -> Iterator[Array]:
     """Points (k, 3) along each edge of a face, about `step_mm` apart."""
-    from OCP.BRep import BRep_Tool
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
-    from OCP.GCPnts import GCPnts_AbscissaPoint
-    from OCP.TopoDS import TopoDS
-
     for shape in explore(face, "EDGE"):
         edge = TopoDS.Edge_s(shape)
         if BRep_Tool.Degenerated_s(edge):

@@ -12,15 +12,11 @@ from numpy.typing import ArrayLike
 from perfqr_cad.solid.imported.body import Array
 from perfqr_cad.solid.imported.survey import Frame
 from perfqr_cad.surface import Distortion, Placement
+from perfqr_cad.surface.placement import pairs
 from perfqr_cad.surface.spline import TensorSpline, tensor
 
 UNLAY_SEEDS = 33  # a side
 UNLAY_STEPS = 20  # fixed-point steps towards the foot of a point on the front
-
-
-def pairs(uv: ArrayLike) -> Array:
-    """Pattern points as (k, 2)."""
-    return np.asarray(uv, float).reshape(-1, 2)
 
 
 @dataclass(frozen=True)
@@ -38,10 +34,10 @@ class Laid(Placement):
 
     def unlaid(self, points: Array) -> Array:
         """Pattern points (k, 2) of points (k, 3) near the wall; NaN for those far outside the code."""
-        line = np.linspace(-self.reach_mm(), self.reach_mm(), UNLAY_SEEDS)
-        grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
         from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
 
+        line = np.linspace(-self.reach_mm(), self.reach_mm(), UNLAY_SEEDS)
+        grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
         distance, nearest = cKDTree(self.point(grid)).query(points)
         uv = grid[nearest]
         for _ in range(UNLAY_STEPS):

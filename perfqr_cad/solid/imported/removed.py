@@ -11,7 +11,7 @@ from perfqr_cad.pattern.outline import Loop
 from perfqr_cad.solid.imported.body import Array
 from perfqr_cad.solid.imported.lay import Laid
 from perfqr_cad.solid.imported.probe import probe
-from perfqr_cad.solid.mesh import delaunay
+from perfqr_cad.solid.triangulation import delaunay
 
 if TYPE_CHECKING:
     from perfqr_cad.solid.imported.host import Host
@@ -26,7 +26,7 @@ FLATTEN_MM = 1e-4
 def removed_mm3(host: Host, holes: Sequence[Loop], laid: Laid, depth_mm: float | None) -> float:
     """Volume of straight holes through the wall, or of pockets `depth_mm` deep, mm³."""
     points, weights = quadrature(holes)
-    depth = np.full(len(points), depth_mm or 0.0) if depth_mm else _wall(host, points, laid)
+    depth = _wall(host, points, laid) if depth_mm is None else np.full(len(points), depth_mm)
     layers = [laid.volume_density(points, share * depth) for share in DEPTH_POINTS]
     return float(np.sum(weights * depth * np.mean(layers, axis=0)))
 
@@ -50,7 +50,7 @@ def _wall(host: Host, points: Array, laid: Laid) -> Array:
     """Exact wall along each hole's axis."""
     origins, frames = laid.line(points)
     met = probe(host.body, origins, frames[:, 2])
-    front, back = origins + met.offset_mm[:, None] * frames[:, 2], np.empty_like(origins)
+    front = origins + met.offset_mm[:, None] * frames[:, 2]
     back = front - met.wall_mm[:, None] * frames[:, 2]
     ends = []
     for faces, guesses in ((met.front, front), (met.back, back)):

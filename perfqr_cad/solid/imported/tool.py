@@ -12,14 +12,13 @@ import shapely
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.pattern.outline import Loop, Region
-from perfqr_cad.solid.chart import Level
+from perfqr_cad.solid.chart import Level, Well
 from perfqr_cad.solid.imported.body import Array, Body
 from perfqr_cad.solid.imported.lay import Laid, Projected
 from perfqr_cad.solid.imported.motif import Motif
 from perfqr_cad.solid.imported.probe import probe
 from perfqr_cad.solid.imported.removed import quadrature
 from perfqr_cad.solid.mesh import triangulate
-from perfqr_cad.solid.sections import Well
 from perfqr_cad.solid.walls import Walls
 from perfqr_cad.surface import Plane, Triangles
 

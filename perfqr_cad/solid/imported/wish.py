@@ -44,6 +44,11 @@ class Wish:
         return look / np.linalg.norm(look)
 
 
+def floored(size_mm: float) -> str:
+    """A size for people, no greater than it is, in few digits."""
+    return f"{np.floor(size_mm * 100) / 100:.4g}"
+
+
 def triple(v: ArrayLike) -> str:
     """A point or direction for people; what is zero but for rounding is zero."""
     return "(" + ",".join(f"{x:.4g}" for x in np.round(np.asarray(v, float), 9) + 0.0) + ")"

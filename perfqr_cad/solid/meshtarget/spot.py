@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from perfqr_cad.errors import DesignError
 from perfqr_cad.solid.imported.body import Array, Body
 from perfqr_cad.solid.imported.survey import COARSE, Frame, Survey, frame_at, largest_below, survey, surveys
-from perfqr_cad.solid.imported.wish import Wish, triple
+from perfqr_cad.solid.imported.wish import Wish, floored, triple
 
 Problem = Callable[[Survey], str | None]
 
@@ -50,7 +50,7 @@ def _flattest(body: Body, size_mm: float, problem: Problem, up: ArrayLike | None
         return found
     commonest = reasons.most_common(1)[0][0] if reasons else "steps between the samples"
     largest = largest_below(size_mm, lambda size: _flat_spot(body, size, problem, up)[0] is not None)
-    remedy = f"; at most {_floored(largest)} mm fits" if largest else ""
+    remedy = f"; at most {floored(largest)} mm fits" if largest else ""
     raise DesignError(
         f"no spot of the mesh takes a code of {size_mm:.4g} mm ({CANDIDATES} tried); mostly, "
         f"{commonest}{remedy}"
@@ -111,15 +111,14 @@ def _met(body: Body, wish: Wish) -> tuple[Array, Array]:
     triangle, on = body.nearest(point)
     if look is None or np.linalg.norm(on - point) < ON_SURFACE_SHARE * body.diagonal_mm:
         return on, body.facet_normals[triangle]
-    met = body.crossings(point[None], look[None])
-    entering = np.flatnonzero(met.entering)
-    if not len(entering):
+    entered = body.first_entered(point, look)
+    if entered is None:
         raise DesignError(
             f"looking from {triple(point)} along {triple(look)} meets no outer surface: start outside "
             f"and look at it"
         )
-    first = entering[0]
-    return point + met.distance_mm[first] * look, body.facet_normals[met.triangle[first]]
+    triangle, hit = entered
+    return hit, body.facet_normals[triangle]
 
 
 def _largest(
@@ -132,7 +131,7 @@ def _largest(
         return found is not None and problem(found) is None
 
     largest = largest_below(size_mm, works)
-    return f"; at most {_floored(largest)} mm works there" if largest > 0 else ""
+    return f"; at most {floored(largest)} mm works there" if largest > 0 else ""
 
 
 def _nearest(body: Body, origin: Array, size_mm: float, problem: Problem, up: ArrayLike | None) -> str:
@@ -150,8 +149,3 @@ def _nearest(body: Body, origin: Array, size_mm: float, problem: Problem, up: Ar
                 f"direction={triple(-at.axes[2])}"
             )
     return "; no place on the mesh takes it: choose a smaller size"
-
-
-def _floored(size_mm: float) -> str:
-    """A size that surely works, in few digits."""
-    return f"{np.floor(size_mm * 100) / 100:.4g}"

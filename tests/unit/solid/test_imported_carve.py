@@ -43,7 +43,7 @@ def carved(target: ImportedFace, walls: Walls = STRAIGHT):
 
 
 def lost(target: ImportedFace, solid) -> float:
-    return kernel.volume(target.host.shape) - solid.volume_mm3
+    return occ.volume(target.host.shape) - solid.volume_mm3
 
 
 @pytest.mark.parametrize("wrap", [False, True])

@@ -9,6 +9,7 @@ from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
 from OCP.TopoDS import TopoDS_Compound
 
 from perfqr_cad.errors import DesignError, KernelError
+from perfqr_cad.solid import occ
 from perfqr_cad.solid.imported import kernel
 from perfqr_cad.solid.imported.reader import read_part, read_parts
 from perfqr_cad.solid.kernel_shape import solid_of
@@ -27,7 +28,7 @@ def compound(*shapes):
 @pytest.mark.parametrize("unit", ["MM", "INCH", "M"])
 def test_declared_units_are_honoured(tmp_path: Path, unit: str) -> None:
     part = read_part(write_step(BRepPrimAPI_MakeBox(10, 20, 30).Shape(), tmp_path / "a.step", unit))
-    assert kernel.volume(part.shape) == pytest.approx(6000, rel=1e-9)
+    assert occ.volume(part.shape) == pytest.approx(6000, rel=1e-9)
 
 
 def test_an_assembly_asks_which_part(tmp_path: Path) -> None:
@@ -37,8 +38,8 @@ def test_an_assembly_asks_which_part(tmp_path: Path) -> None:
     assert len(set(names)) == 2
     with pytest.raises(DesignError, match=f"assembly of 2 solids.*{names[0]}"):
         read_part(path)
-    assert kernel.volume(read_part(path, 2).shape) == pytest.approx(8)
-    assert kernel.volume(read_part(path, names[0]).shape) == pytest.approx(1)
+    assert occ.volume(read_part(path, 2).shape) == pytest.approx(8)
+    assert occ.volume(read_part(path, names[0]).shape) == pytest.approx(1)
     with pytest.raises(DesignError, match="no part 'lid'"):
         read_part(path, "lid")
 
@@ -46,7 +47,7 @@ def test_an_assembly_asks_which_part(tmp_path: Path) -> None:
 def test_a_closed_shell_is_a_solid_and_an_open_one_is_refused(tmp_path: Path) -> None:
     box = BRepPrimAPI_MakeBox(1, 2, 3).Shape()
     closed = kernel.explore(box, "SHELL")[0]
-    assert kernel.volume(read_part(write_step(closed, tmp_path / "c.step")).shape) == pytest.approx(6)
+    assert occ.volume(read_part(write_step(closed, tmp_path / "c.step")).shape) == pytest.approx(6)
     opened = kernel.explore(solid_of(kernel.faces(box)[:5]), "SHELL")[0]
     opened.Closed(False)
     with pytest.raises(KernelError, match="no solid, only 1 open shells and 5 faces"):
