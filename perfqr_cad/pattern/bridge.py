@@ -19,7 +19,8 @@ class Bridge:
 
     height_mm is None for a bar through the whole thickness. A recessed bar fills only the last height_mm
     before the back, so that a reader sees it in the shade of its slot; `start` and `end` then lie on straight
-    edges of `Pattern.front`, square to the bar.
+    edges of `Pattern.front`, square to the bar. Where that slot is pinched, walls that flare leave its two
+    banks upright.
     """
 
     start: Point
@@ -28,6 +29,7 @@ class Bridge:
     stage: Stage
     cost: float
     height_mm: float | None = None
+    pinched: bool = False
 
     @property
     def is_recessed(self) -> bool:

@@ -103,8 +103,15 @@ class Draft:
             rect.of(solid)[:] = rect.of(upright)[:] = True
         return replace(self, lattice=self.lattice.with_solid(solid), upright=upright)
 
-    def with_bars(self, ways: Iterable[Sequence[Bar]], stage: Stage, height_mm: float | None = None) -> Draft:
-        """Upright bars painted solid, those of one way together.
+    def with_bars(
+        self,
+        ways: Iterable[Sequence[Bar]],
+        stage: Stage,
+        *,
+        height_mm: float | None = None,
+        pinched: bool = False,
+    ) -> Draft:
+        """Upright bars painted solid, those of one way together; the last two as of their `Bridge`.
 
         Bars over solid ground leave no trace. Where a way bends, a bar that adds less than `FOOT` to the
         longer ones is but their foot, and no bridge of its own.
@@ -116,7 +123,7 @@ class Draft:
                 added = np.count_nonzero(~bar.rect.of(solid)) / bar.width**2
                 if added and (first or added >= FOOT):
                     bridge = self._bridge(_void_part(solid, bar), bar, stage)
-                    laid.append(replace(bridge, height_mm=height_mm))
+                    laid.append(replace(bridge, height_mm=height_mm, pinched=pinched))
                 first = first and not added
                 bar.rect.of(solid)[:] = bar.rect.of(upright)[:] = True
         return replace(

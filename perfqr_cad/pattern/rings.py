@@ -26,9 +26,10 @@ from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.symbol import Symbol
 
 # Modules of void that the outer bank leaves of the pinched slot. A narrower one makes its bar darker seen
-# from near above, a wider one shows more of the ring from the side (version 5, modules of 1.33 mm, 36 views
-# a cell, zxing-cpp at 10/20/30/40°: 86/97/97/75 % with 0.55, 100/100/94/58 % with 0.42).
-SLOT = 0.42
+# from near above, a wider one shows more of the ring from the side (version 5, modules of 1.33 mm, walls of
+# 1.6 mm flared by 15°, 24 views a cell, zxing-cpp at 10/20/30/40°: 79/83/92/58 % with 0.5, 92/96/96/62 % with
+# 0.42, 100/100/88/62 % with 0.34).
+SLOT = 0.34
 
 
 class _Slot(NamedTuple):
@@ -51,7 +52,9 @@ def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
         else:
             flush += _flush(draft, ring, spec)
     draft = draft.with_solid([slot.bank for slot in slots if slot.bank is not None])
-    draft = draft.with_bars([[slot.bar] for slot in slots], "function", spec.bar_height_mm)
+    for pinched in (False, True):
+        bars = [[slot.bar] for slot in slots if (slot.bank is not None) == pinched]
+        draft = draft.with_bars(bars, "function", height_mm=spec.bar_height_mm, pinched=pinched)
     return _with_flush(draft, flush, spec)
 
 
@@ -61,7 +64,9 @@ def settled(draft: Draft, spec: PatternSpec) -> Draft:
     if not taken:
         return draft
     kept = tuple(
-        replace(bridge, height_mm=None, width_mm=_web_mm(draft, spec)) if bridge in taken else bridge
+        replace(bridge, height_mm=None, pinched=False, width_mm=_web_mm(draft, spec))
+        if bridge in taken
+        else bridge
         for bridge in draft.bridges
     )
     draft = draft.with_solid([draft.rect(_as_web(draft, bridge, spec)) for bridge in taken])

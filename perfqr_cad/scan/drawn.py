@@ -7,6 +7,7 @@ measured on pictures, to a fraction of a pixel; the finished solid is filmed for
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -27,7 +28,7 @@ from perfqr_cad.scan.sections import Stack, area
 from perfqr_cad.scan.skylight import Picture
 
 if TYPE_CHECKING:
-    from perfqr_cad.pattern import Pattern
+    from perfqr_cad.pattern import Bridge, Pattern
 
 FINER = 2  # distances are measured at this many times the sections' resolution
 STEPS = 4  # shares of the flare that webs of different widths are granted
@@ -37,7 +38,7 @@ def drawn(pattern: Pattern, thickness_mm: float, *, draft_deg: float = 0.0, lip_
     """The plate that a pattern would be, ready to be filmed.
 
     Walls stand upright for the lip and flare behind it by the draft, as far as the pattern's least web
-    allows; those that recessed bars stand on are upright throughout. DesignError if the lip leaves nothing
+    allows; the banks of pinched slots are upright throughout. DesignError if the lip leaves nothing
     to flare.
     """
     if draft_deg > 0 and lip_mm >= thickness_mm:
@@ -49,7 +50,7 @@ def drawn(pattern: Pattern, thickness_mm: float, *, draft_deg: float = 0.0, lip_
     flared_mm = thickness_mm - lip_mm if draft_deg > 0 else 0.0
     flare_mm = flared_mm * float(np.tan(np.radians(draft_deg)))
     walls = _walls(pattern, edge_mm, flare_mm)
-    bars = _picture([np.array(bar.corners()) for bar in pattern.recessed], edge_mm, SECTION_PX)
+    bars = _picture(_reaching(pattern.recessed, flare_mm), edge_mm, SECTION_PX)
     height_mm = max((bar.height_mm or 0.0 for bar in pattern.recessed), default=0.0)
     shares = np.clip((depth_mm - lip_mm) / flared_mm, 0.0, 1.0) if flared_mm > 0 else np.zeros(len(depth_mm))
     kinds = list(zip(shares.tolist(), (depth_mm > thickness_mm - height_mm).tolist(), strict=True))
@@ -112,18 +113,28 @@ def _halved(lengths: Picture) -> Picture:
 
 
 def _upright(pattern: Pattern, reach_mm: float) -> list[NDArray[np.float64]]:
-    """Corners (4, 2) of the material that lies within a reach of the edges that recessed bars stand on."""
+    """Corners (4, 2) of the material that lies within a reach of the banks of pinched slots."""
     segments = [s for region in pattern.front for loop in region.loops for s in loop.segments]
     lines = [segment for segment in segments if isinstance(segment, Line)]
     starts, ends = (np.array([getattr(line, end) for line in lines]) for end in ("start", "end"))
     strips: list[NDArray[np.float64]] = []
-    for point in (end for bar in pattern.recessed for end in (bar.start, bar.end)):
+    for point in (end for bar in pattern.recessed if bar.pinched for end in (bar.start, bar.end)):
         k = edge_under(point, starts, ends)
         assert k is not None  # a pattern's recessed bars stand on straight edges
         start, end = starts[k], ends[k]
         inwards = np.array([start[1] - end[1], end[0] - start[0]]) * reach_mm / np.linalg.norm(end - start)
         strips.append(np.array([start, end, end + inwards, start + inwards]))
     return strips
+
+
+def _reaching(bars: Sequence[Bridge], reach_mm: float) -> list[NDArray[np.float64]]:
+    """Corners (4, 2) of bars that reach further at both ends, for walls that give way."""
+    found: list[NDArray[np.float64]] = []
+    for bar in bars:
+        corners = np.array(bar.corners())
+        further = np.subtract(bar.end, bar.start) * reach_mm / math.dist(bar.start, bar.end)
+        found.append(corners + np.outer([-1, 1, 1, -1], further))
+    return found
 
 
 def _picture(loops: Sequence[NDArray[np.float64]], edge_mm: float, pixels: int) -> Picture:

@@ -14,7 +14,7 @@ from perfqr_cad.progress import tell
 from perfqr_cad.scan.decoders import CORE, accepted
 from perfqr_cad.scan.look import Look
 from perfqr_cad.scan.panel import shared
-from perfqr_cad.scan.proof import Plan, reads
+from perfqr_cad.scan.proof import PATIENCE, Plan, reads
 from perfqr_cad.scan.scene import Scene
 from perfqr_cad.scan.surrogate import Legibility, legibility
 from perfqr_cad.symbol import Matrix
@@ -22,7 +22,6 @@ from perfqr_cad.symbol import Matrix
 Settings = Mapping[str, float]
 Stage = Callable[[Settings], Scene]
 CONFIRMED = 3  # candidates that the panel looks at, best surrogate first
-FRAMES = 2  # of an unsteady hand, as in the full panel
 # The panel looks from this part of the tilt too: 12 views tell plates apart that 4 do not, and a plate that
 # gains at the tilt must not lose before it.
 SHALLOWER = 0.75
@@ -120,7 +119,7 @@ def _confirm(stage: Stage, trial: Trial, goal: Goal, look: Look) -> Trial:
     panel = shared(goal.decoders)
     read = reads(
         stage(trial.settings), views, look, accepted(goal.payload), panel,
-        frames=[FRAMES] * len(views), step=f"scan tilt {goal.tilt_deg:g}°: the panel",
+        frames=[PATIENCE] * len(views), step=f"scan tilt {goal.tilt_deg:g}°: the panel",
     )  # fmt: skip
     rate = sum(len(names) for names in read) / (len(views) * len(goal.decoders))
     return Trial(trial.settings, trial.legibility, rate)

@@ -148,15 +148,16 @@ class _Path:
     flared: Flared | None
 
     def clear_of(self, bars: Sequence[Bridge], marks: dict[int, list[Mark]]) -> _Path:
-        """The path, the edges that bars stand on upright, so that their slots stay narrow and dark, and the
-        segments beside them set back by no more than those can lose."""
+        """The path with the banks of pinched slots upright, so that those stay narrow and dark, and the
+        segments beside any bar's edge set back by no more than that can lose."""
         if self.flared is None:
             return self
         flares = self.flared.set_back_mm.copy()
         n = len(flares)
         for s, found in marks.items():
             edge = self.loop.segments[s]
-            flares[s] = 0.0
+            if any(bars[mark.bar].pinched for mark in found):
+                flares[s] = 0.0
             sides = [foot for mark in found for foot in crossings(edge, bars[mark.bar])]
             for way, room in ((-1, min(sides)), (1, edge.length - max(sides))):
                 for step in BESIDE:

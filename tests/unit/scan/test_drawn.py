@@ -34,12 +34,15 @@ def test_a_drawn_plate_looks_like_its_solid(pattern, draft, lip):
         assert off < 0.4 * np.abs(upright.astype(float) - filmed).mean()
 
 
-def test_walls_that_bars_stand_on_do_not_flare(pattern):
+def test_the_banks_of_pinched_slots_do_not_flare_and_others_do(pattern):
     solid = build_solid(pattern, Plane(1.6), Walls(draft_deg=15.0, lip_mm=0.2))
     assert solid.notes == ()
     behind = solid.triangles.vertices[np.abs(solid.triangles.vertices[:, 2]) < 1e-9, :2]
-    for corner in np.vstack([bar.corners() for bar in pattern.recessed]):
-        assert np.hypot(*(behind - corner).T).min() < 1e-6
+    assert {bar.pinched for bar in pattern.recessed} == {True, False}
+    for bar in pattern.recessed:
+        for corner in bar.corners():
+            off = np.hypot(*(behind - corner).T).min()
+            assert off < 1e-6 if bar.pinched else off > 0.05
 
 
 @pytest.mark.parametrize("draft", [0.0, 15.0])

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakeSphere
 from OCP.gp import gp_Pnt
@@ -13,6 +14,7 @@ from OCP.TopoDS import TopoDS_Shape
 from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.pattern.outline import Arc, Circle, Line, Loop, Region
 from perfqr_cad.solid.walls import Walls
+from perfqr_cad.surface import Placement, Triangles
 from perfqr_cad.symbol import encode
 
 SHARED = Path(__file__).parents[4] / "shared" / "data"
@@ -80,6 +82,7 @@ class Sketch:
 
 SKETCH = Sketch(few_holes(), 20.0)
 STRAIGHT = Walls()
+SHADE_MM = 0.3  # what lies further behind the face is dark
 
 
 def code(text: str, size_mm: float) -> Pattern:
@@ -88,17 +91,21 @@ def code(text: str, size_mm: float) -> Pattern:
     )
 
 
-def seen(triangles, frame, size_mm: float, pixels: int = 400) -> np.ndarray:
-    """What the reader before a code sees: material light, holes dark, as uint8 (row 0 at the top)."""
-    import trimesh
-
+def seen(triangles: Triangles, placement: Placement, size_mm: float, pixels: int = 400) -> np.ndarray:
+    """What the reader before a code in a convex host sees, uint8 (row 0 at the top): the face light; holes,
+    the far side of a hollow part and bars in the shade of their slots dark."""
     mesh = trimesh.Trimesh(triangles.vertices, triangles.faces, process=False)
     line = (np.arange(pixels) + 0.5) / pixels * size_mm * 1.2 - size_mm * 0.6
     x, y = np.meshgrid(line, -line)
+    frame = placement.frame_at_centre
     points = frame.to_space(np.column_stack([x.ravel(), y.ravel(), np.full(x.size, size_mm)]))
-    away = np.tile(-frame.axes[2], (len(points), 1))
-    location, ray, _ = mesh.ray.intersects_location(points, away, multiple_hits=False)
-    distance = np.full(len(points), np.inf)
-    distance[ray] = np.linalg.norm(location - points[ray], axis=1)
-    near = distance < size_mm + 0.35 * size_mm  # the far side of a hollow part is dark
-    return np.where(near, 230, 20).astype(np.uint8).reshape(pixels, pixels)
+
+    def distances(body: trimesh.Trimesh) -> np.ndarray:
+        away = np.tile(-frame.axes[2], (len(points), 1))
+        location, ray, _ = body.ray.intersects_location(points, away, multiple_hits=False)
+        found = np.full(len(points), np.inf)
+        found[ray] = np.linalg.norm(location - points[ray], axis=1)
+        return found
+
+    light = distances(mesh) < distances(mesh.convex_hull) + SHADE_MM
+    return np.where(light, 230, 20).astype(np.uint8).reshape(pixels, pixels)

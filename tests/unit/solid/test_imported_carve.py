@@ -146,7 +146,7 @@ def test_the_code_reads_from_outside_and_is_not_mirrored(tmp_path: Path) -> None
     for wrap in (False, True):
         target = ImportedFace(path, point=(0.0, -30.0, 25.0), wrap=wrap)
         placement = target.placement(22.0)
-        image = seen(target.solid(pattern, placement, STRAIGHT).triangles, placement.frame_at_centre, 22.0)
+        image = seen(target.solid(pattern, placement, STRAIGHT).triangles, placement, 22.0)
         found = zxingcpp.read_barcodes(image)
         assert [b.text for b in found] == ["PERFQR"]
         top_left = placement.point([(-5.0, 5.0)])[0] - placement.point([(0.0, 0.0)])[0]

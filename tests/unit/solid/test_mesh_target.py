@@ -173,7 +173,7 @@ def test_the_code_reads_from_outside() -> None:
     target = MeshTarget.of(triangles(trimesh.creation.icosphere(4, 30.0)), hollow_mm=1.5, point=(5, -29, 8))
     placement = target.placement(22.0)
     solid = target.solid(pattern, placement, STRAIGHT)
-    found = zxingcpp.read_barcodes(seen(solid.triangles, placement.frame_at_centre, 22.0))
+    found = zxingcpp.read_barcodes(seen(solid.triangles, placement, 22.0))
     assert [b.text for b in found] == ["PERFQR"]
 
 
