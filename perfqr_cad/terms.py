@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 # Walls of plates: they hide the least from aside, and printers still bear the overhang (docs/scan.md).
 DRAFT_DEG, LIP_MM = 15.0, 0.2
 LEAST_FLARED_MM = 4 * LIP_MM  # thinner sheets are cut, not printed, and hide little
+LAYER_SHARE = 0.75  # of its diameter: the thickest layer that a nozzle lays well
 CAPTION_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
 
 
@@ -29,6 +30,10 @@ def spec(request: Request) -> PatternSpec:
     """What the pattern is asked to be."""
     from perfqr_cad.pattern import Hole, PatternSpec, Surround
 
+    # The smaller the bars, the further from aside zxing-cpp reads the part: docs/scan.md.
+    bars = {}
+    if request.scan_tilt_deg:
+        bars = {"bar_width_mm": request.nozzle_mm, "bar_height_mm": LAYER_SHARE * request.nozzle_mm}
     return PatternSpec(
         size_mm=request.size_mm,
         quiet_modules=request.quiet_modules,
@@ -36,8 +41,7 @@ def spec(request: Request) -> PatternSpec:
         style=request.style,  # pyright: ignore[reportArgumentType]  # PatternSpec refuses unknown names
         fillet_mm=request.fillet_mm,
         finder=request.finder,  # pyright: ignore[reportArgumentType]
-        # The thinner that bar, the further from aside zxing-cpp reads the part: docs/scan.md.
-        bar_width_mm=request.nozzle_mm if request.scan_tilt_deg else None,
+        **bars,
         objective=request.objective,  # pyright: ignore[reportArgumentType]
         contour=request.contour,  # pyright: ignore[reportArgumentType]
         tone=request.tone,  # pyright: ignore[reportArgumentType]

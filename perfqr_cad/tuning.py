@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 DRAFTS_DEG = (0.0, 8.0, 12.0, 15.0)
 LIPS_MM = (0.0, 0.2, 0.4)
 # Plates only: shares of the thickness asked for, down to the thinnest that still prints as a plate.
-THICKNESS_SHARES = (1.0, 0.75, 0.5)
+THICKNESS_SHARES = (1.0, 0.875, 0.75, 0.625, 0.5)
 THINNEST_MM = 0.8
 
 
@@ -58,7 +58,8 @@ def for_reader(
         return scan.drawn(drawn, settings["thickness_mm"], **walls)
 
     goal = scan.Goal(drawn.symbol.matrix, drawn.module_mm, payload, request.scan_tilt_deg)
-    best, _ = scan.improve(stage, start, choices, goal)
+    weighs_most = "thickness_mm" if plate else "draft_deg"
+    best, _ = scan.improve(stage, start, choices, goal, weighs_most=weighs_most)
     return replace(request, **(best.settings if plate else _walls(best.settings)))
 
 

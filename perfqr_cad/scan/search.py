@@ -1,12 +1,12 @@
 """Design for the reader: the change of walls that reads best at a tilt.
 
-Settings are tried one at a time from where they stand (coordinate search). The surrogate ranks them; the
-panel has the last word on the best few.
+Settings are tried one at a time from where they stand (coordinate search). The surrogate finds the best for
+each value of the setting that weighs most; among those the panel has the last word.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from perfqr_cad.errors import PerfQRError
@@ -21,10 +21,9 @@ from perfqr_cad.symbol import Matrix
 
 Settings = Mapping[str, float]
 Stage = Callable[[Settings], Scene]
-CONFIRMED = 3  # candidates that the panel looks at, best surrogate first
-# The panel looks from this part of the tilt too: 12 views tell plates apart that 4 do not, and a plate that
-# gains at the tilt must not lose before it.
-SHALLOWER = 0.75
+# The panel looks from these parts of the tilt: a plate that gains at the tilt must not lose before it. Thin
+# plates do, because the bars behind their rings lie in more light.
+SHARES = (0.25, 0.5, 0.75, 1.0)
 GAIN = 0.005  # of full contrast: a smaller step of the surrogate is noise
 
 
@@ -64,6 +63,7 @@ def improve(
     choices: Mapping[str, Sequence[float]],
     goal: Goal,
     *,
+    weighs_most: str,
     look: Look | None = None,
 ) -> tuple[Trial, tuple[Trial, ...]]:
     """The best settings found, and every trial in the order made.
@@ -71,6 +71,7 @@ def improve(
     stage     puts the part with some settings before the camera; a `PerfQRError` from it rules them out
     start     a value for every setting
     choices   values to try for each setting, in any order
+    weighs_most   the setting for whose every value the panel looks at the best trial
 
     The start is returned when the panel reads it at the goal's tilt already, or when nothing is better.
     """
@@ -97,10 +98,23 @@ def improve(
                     best = trial
         if best is round_start:
             break
-    ranked = sorted(tried.values(), key=lambda trial: -trial.score)[:CONFIRMED]
-    confirmed = [_confirm(stage, trial, goal, look) for trial in ranked if trial.legibility is not None]
+    rivals = _best_of_each(weighs_most, tried.values())
+    rivals.sort(
+        key=lambda trial: abs(trial.settings[weighs_most] - start[weighs_most])
+    )  # the first of equals
+    confirmed = [_confirm(stage, trial, goal, look) for trial in rivals if trial.settings != first.settings]
     winner = max([first, *confirmed], key=lambda trial: trial.rate or 0.0)
     return winner, (*tried.values(), first, *confirmed)
+
+
+def _best_of_each(name: str, trials: Iterable[Trial]) -> list[Trial]:
+    """The trial with the best surrogate for every value of a setting."""
+    best: dict[float, Trial] = {}
+    for trial in trials:
+        value = trial.settings[name]
+        if trial.legibility is not None and (value not in best or trial.score > best[value].score):
+            best[value] = trial
+    return list(best.values())
 
 
 def _estimate(stage: Stage, settings: Settings, goal: Goal, look: Look) -> Trial:
@@ -112,10 +126,10 @@ def _estimate(stage: Stage, settings: Settings, goal: Goal, look: Look) -> Trial
 
 
 def _confirm(stage: Stage, trial: Trial, goal: Goal, look: Look) -> Trial:
-    """Ask the panel: share of decoders x views that read the part at the goal's tilt and a little before."""
+    """Ask the panel: share of decoders x views that read the part at the goal's tilt and before it."""
     if trial.legibility is None:
         return trial
-    views = Plan((SHALLOWER * goal.tilt_deg, goal.tilt_deg), goal.azimuths_deg).views()
+    views = Plan(tuple(share * goal.tilt_deg for share in SHARES), goal.azimuths_deg).views()
     panel = shared(goal.decoders)
     read = reads(
         stage(trial.settings), views, look, accepted(goal.payload), panel,

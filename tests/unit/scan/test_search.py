@@ -55,7 +55,9 @@ def test_search_finds_the_better_plate_and_skips_what_cannot_be_built(dark):
 
     module_mm = SIZE / (len(dark) + 2 * QUIET)
     goal = scan.Goal(Matrix(dark), module_mm, TEXT, 40.0, ("zbar", "zxing-cpp"), azimuths_deg=(25.0, 205.0))
-    best, trials = scan.improve(stage, {"thickness": 3.0}, {"thickness": (3.0, 0.6, 0.2)}, goal)
+    best, trials = scan.improve(
+        stage, {"thickness": 3.0}, {"thickness": (3.0, 0.6, 0.2)}, goal, weighs_most="thickness"
+    )
     assert best.settings == {"thickness": 0.6}
     first = next(t for t in trials if t.settings == {"thickness": 3.0} and t.rate is not None)
     assert (best.rate or 0) > (first.rate or 0)
