@@ -25,11 +25,17 @@ from perfqr_cad.pattern.lattice import Cells
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.symbol import Symbol
 
-# Modules of void that the outer bank leaves of the pinched slot. A narrower one makes its bar darker seen
-# from near above, a wider one shows more of the ring from the side (version 5, modules of 1.33 mm, walls of
-# 1.6 mm flared by 15°, 24 views a cell, zxing-cpp at 10/20/30/40°: 79/83/92/58 % with 0.5, 92/96/96/62 % with
-# 0.42, 100/100/88/62 % with 0.34).
-SLOT = 0.34
+# Modules of void that the outer bank leaves of the pinched slot, no less than the least gap. A narrower one
+# makes its bar darker seen from near above, a wider one shows more of the ring from the side and in a blurred
+# picture. Version 5, modules of 1.33 mm, walls of 1.6 mm flared by 15°, 24 views a cell, zxing-cpp at
+# 10/20/30/40°: 79/83/92/58 % with 0.5, 92/96/96/62 % with 0.42, 100/100/88/62 % with 0.33; at 5/20/30° with a
+# blur of half a module 100/100/96 % with 0.42, 100/92/67 % with 0.33.
+SLOT = 0.42
+# How dark a bar lies goes by the slot's width over its depth, and that does not grow with the modules. Of 2 mm
+# 92/100/100/96 % with 0.34 (0.7 mm), 100/100/96/79 % with 0.25; of 3 mm 50 % at 20° with 0.42 (1.3 mm), 83 %
+# with 0.34, 100 % with 0.25 (0.75 mm). Less than a quarter of a module is not seen: 79/50/42/17 % with 0.17.
+DARK_MM = 0.6
+LEAST_SLOT = 0.25
 
 
 class _Slot(NamedTuple):
@@ -168,7 +174,8 @@ def _slot(draft: Draft, bar: RingBar, width: float, spec: PatternSpec) -> _Slot 
     if bar.pinch is not None:
         first, last = (_cell(draft, (k, k))[0] for k in bar.pinch)
         slot = first, last
-        tip = outer + inwards * max(0, u - max(gap, round(SLOT * u)))
+        dark = min(round(SLOT * u), lattice.whole(DARK_MM))
+        tip = outer + inwards * max(0, u - max(gap, dark, round(LEAST_SLOT * u)))
 
     def rect(across: tuple[int, int], along: tuple[int, int]) -> Rect:
         """Cells between two lines across the ring, and two along it."""

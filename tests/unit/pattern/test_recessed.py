@@ -9,7 +9,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern import Bridge, PatternSpec, build
 from perfqr_cad.pattern.front import joined
 from perfqr_cad.pattern.outline import Line
-from perfqr_cad.pattern.rings import SLOT
+from perfqr_cad.pattern.rings import DARK_MM, LEAST_SLOT, SLOT
 from perfqr_cad.symbol import encode
 
 RINGS = {1: 3, 2: 4, 6: 4, 7: 9}  # finders and alignment patterns
@@ -110,7 +110,8 @@ def slot_mm(**settings):
 
 def test_the_slot_is_narrow_but_no_narrower_than_a_gap():
     assert slot_mm() == pytest.approx(SLOT * 1.2, abs=0.06)
-    assert slot_mm(size_mm=33 * 2.4) == pytest.approx(SLOT * 2.4, abs=0.06)
+    assert slot_mm(size_mm=33 * 2.4) == pytest.approx(DARK_MM, abs=0.2)  # a cell
+    assert slot_mm(size_mm=33 * 4.0) == pytest.approx(LEAST_SLOT * 4.0, abs=0.06)
     assert slot_mm(min_gap_mm=1.0) >= 1.0
 
 
