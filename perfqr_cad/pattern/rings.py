@@ -31,9 +31,9 @@ from perfqr_cad.symbol import Symbol
 # 10/20/30/40°: 79/83/92/58 % with 0.5, 92/96/96/62 % with 0.42, 100/100/88/62 % with 0.33; at 5/20/30° with a
 # blur of half a module 100/100/96 % with 0.42, 100/92/67 % with 0.33.
 SLOT = 0.42
-# How dark a bar lies goes by the slot's width over its depth, and that does not grow with the modules. Of 2 mm
-# 92/100/100/96 % with 0.34 (0.7 mm), 100/100/96/79 % with 0.25; of 3 mm 50 % at 20° with 0.42 (1.3 mm), 83 %
-# with 0.34, 100 % with 0.25 (0.75 mm). Less than a quarter of a module is not seen: 79/50/42/17 % with 0.17.
+# How dark a bar lies goes by the slot's width over its depth, and that does not grow with the modules. Of
+# 2 mm 92/100/100/96 % with 0.34 (0.7 mm), 100/100/96/79 % with 0.25; of 3 mm 50 % at 20° with 0.42 (1.3 mm),
+# 83 % with 0.34, 100 % with 0.25 (0.75 mm). Less than a quarter of a module is not seen: 50 % with 0.17.
 DARK_MM = 0.6
 LEAST_SLOT = 0.25
 
