@@ -36,7 +36,8 @@ def summary(design: Design) -> str:
     """A few lines for people."""
     pattern, stress, solid = design.pattern, design.stress, design.solid
     size = " × ".join(f"{high - low:.1f}" for low, high in zip(*solid.bbox_mm, strict=True))
-    readers = ", ".join(design.scan.readers)
+    limits = {name: design.scan.decoders[name].max_tilt_deg for name in design.scan.readers}
+    readers = ", ".join(f"{name} to {tilt_deg:g}°" for name, tilt_deg in limits.items())
     bridges, lost = len(pattern.bridges), sum(pattern.readability.errors)
     lines = [
         f"payload   {payload_text(design)}",

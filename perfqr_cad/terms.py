@@ -108,12 +108,12 @@ def loads(request: Request) -> tuple[Load, ...]:
 
 
 def plan(request: Request) -> Plan:
-    """The quick views, and the tilt that was asked for."""
-    from perfqr_cad.scan import QUICK
+    """The quick views; with a tilt that is asked for, as many sides and frames as in the full certificate."""
+    from perfqr_cad.scan import FULL, QUICK
 
     if request.scan_tilt_deg is None:
         return QUICK
-    return replace(QUICK, tilts_deg=tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg})))
+    return replace(FULL, tilts_deg=tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg})), backgrounds=())
 
 
 def look(request: Request) -> Look:

@@ -10,7 +10,7 @@ import pytest
 
 import perfqr_cad
 from perfqr_cad import DesignError, Request, make, progress
-from perfqr_cad.design import Design, _require_readable
+from perfqr_cad.design import Design, _require_readable, scan_part
 from perfqr_cad.scan import DecoderResult, ScanReport
 from perfqr_cad.structure import SolidCheck
 
@@ -140,6 +140,14 @@ def test_a_tag_with_everything_around_the_code() -> None:
     (plate,) = tag.solid.extras
     assert (plate.bbox_mm[0][2], plate.bbox_mm[1][2]) == pytest.approx((-1.5, -0.5))
     assert len(tag.pattern.region.holes) == len(make(**plain).pattern.region.holes) + 4
+
+
+def test_a_written_assembly_is_scanned_with_its_backing(tmp_path: Path) -> None:
+    backed = make(text="HELLO 123", size_mm=40, backing_mm=1.0)
+    backed.write(tmp_path / "backed.step")
+    report = scan_part(tmp_path / "backed.step", "HELLO 123")
+    assert {"zbar", "wechat", "opencv"} <= set(report.readers)
+    assert any("behind the plate" in warning for warning in report.warnings)
 
 
 def test_a_frame_is_not_for_somebody_elses_part() -> None:

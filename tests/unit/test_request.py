@@ -5,6 +5,7 @@ import pytest
 from perfqr_cad import terms
 from perfqr_cad.errors import DesignError
 from perfqr_cad.request import Request, read_holes
+from perfqr_cad.scan import FULL, QUICK
 
 
 def test_holes_are_read_as_written() -> None:
@@ -53,6 +54,13 @@ def test_the_backing_has_the_tone_of_the_holes() -> None:
     assert max(dark.colour) < 0.1 < 0.9 <= min(light.colour)
     assert (light.thickness_mm, light.gap_mm) == (1, 2)
     assert terms.look(Request("HELLO", backing_mm=1, backing_gap_mm=2)).gap_mm == 2
+
+
+def test_a_tilt_that_is_asked_for_is_filmed_from_as_many_sides_as_in_the_full_certificate() -> None:
+    asked = terms.plan(Request("HELLO", scan_tilt_deg=40.0))
+    assert asked.tilts_deg == (0.0, 20.0, 30.0, 40.0)
+    assert (asked.azimuths_deg, asked.frames) == (FULL.azimuths_deg, FULL.frames)
+    assert terms.plan(Request("HELLO")) == QUICK
 
 
 def test_colours_by_name_and_by_number() -> None:

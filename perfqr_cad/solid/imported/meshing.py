@@ -5,15 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from perfqr_cad.solid.imported import kernel
 from perfqr_cad.solid.imported.host import Host
-from perfqr_cad.solid.imported.reader import read_part
+from perfqr_cad.solid.imported.reader import read_parts
 from perfqr_cad.surface import Triangles
 
 
-def mesh_step(path: str | Path, part: str | int | None = None) -> Triangles:
-    """The solid of a STEP file as triangles, mm. Raises as `read_part` does."""
-    chosen = read_part(path, part)
-    return Host(chosen.name, chosen.shape).body.triangles
+def mesh_step(path: str | Path) -> Triangles:
+    """All solids of a STEP file as triangles where they stand, mm. `KernelError` for an unsound one."""
+    parts = [Host(part.name, kernel.sound(part.shape, part.name)) for part in read_parts(path)]
+    first, *others = (part.body.triangles for part in parts)
+    return first.joined(*others)
 
 
 def mesh_shape(shape: Any) -> Triangles:
