@@ -27,7 +27,10 @@ CLEAR = 0.4  # modules from the corner of the light ring to the near edge of a r
 # zxing-cpp walks around one ring, that of the bottom left finder, and where the walk leaks out over a bar it
 # takes the code for untilted (FitSquareToPoints in its QRDetector.cpp): version 7 with a flush bar it reads
 # in no view at 20°, without a bar in all. So that bar must look as dark as the ring. Its slot is narrowed
-# from the outside, over a module beyond the bar (0.8 to 1.3 do alike), the inner edge left straight.
+# from the outside, over a module beyond the bar (0.8 to 1.3 do alike), the inner edge left straight. It looks
+# for alignment patterns by such walks too (CenterOfRing in its ConcentricFinder.cpp): pinched where they can
+# be, 96 instead of 85 % of the views at 40° are read (1.2 mm, six texts). On the upper finders a pinch costs
+# more than a light bar: 12 % are read at 20°.
 PINCH_REACH = 1.0  # modules by which the pinch of a slot outreaches its recessed bar
 PLACES: tuple[tuple[Side, bool], ...] = (  # side, and whether by its far end; the top and left before others
     ("top", False),
@@ -78,6 +81,11 @@ def rings(version: int) -> list[Ring]:
 def is_traced(ring: Ring, version: int) -> bool:
     """Whether a reader needs to find this ring unbroken: its bar must look as dark as the ring."""
     return ring == Ring(17 + 4 * version - 7, 0, 7)
+
+
+def is_located(ring: Ring) -> bool:
+    """Whether this is an alignment pattern: readers do without, but from aside they read better with it."""
+    return ring.size == 5
 
 
 def ring_bars(ring: Ring, strategy: FinderStrategy, width: float, solid: Solid) -> list[RingBar]:

@@ -15,6 +15,7 @@ from perfqr_cad.pattern.finder import (
     RingBar,
     Solid,
     core_bar,
+    is_located,
     is_traced,
     recessed_bars,
     recessed_core_bar,
@@ -82,8 +83,8 @@ def settled(draft: Draft, spec: PatternSpec) -> Draft:
 def as_webs(draft: Draft, spec: PatternSpec) -> tuple[Bridge, ...]:
     """The recessed bars, none narrower than the least web.
 
-    The rule of the least web is held by all other material. The bar of the pinched slot may be asked to be
-    one nozzle line wide: it is no longer than the slot is wide, lies on the bed and has solid material at
+    The rule of the least web is held by all other material. Bars of pinched slots may be asked to be one
+    nozzle line wide: they are no longer than the slot is wide, lie on the bed and have solid material at
     both ends.
     """
     return tuple(_as_web(draft, bridge, spec) for bridge in draft.recessed)
@@ -109,13 +110,18 @@ def front_cells(draft: Draft) -> Cells:
 def _recess(draft: Draft, ring: Ring, version: int, spec: PatternSpec) -> _Slot | None:
     """A bar behind the face that holds a ring; None where the banks do not allow one."""
     traced = is_traced(ring, version)
-    width = _modules(draft, spec.line_mm if traced else spec.web_mm)
+    fine, web = (_modules(draft, width_mm) for width_mm in (spec.line_mm, spec.web_mm))
     clear = max(CLEAR, draft.lattice.whole(spec.gap_mm) / draft.lattice.per_module)
+    bars: list[tuple[RingBar, float]] = []
     if spec.tone == "inverted":
-        bars = [recessed_core_bar(ring, width, clear)] if traced else []
+        bars += [(recessed_core_bar(ring, fine, clear), fine)] if traced else []
     else:
-        bars = recessed_bars(ring, width, clear, _material(draft), traced)
-    return next(filter(None, (_slot(draft, bar, width, spec) for bar in bars)), None)
+        material = _material(draft)
+        if traced or is_located(ring):
+            bars += [(bar, fine) for bar in recessed_bars(ring, fine, clear, material, pinched=True)]
+        if not traced:
+            bars += [(bar, web) for bar in recessed_bars(ring, web, clear, material, pinched=False)]
+    return next(filter(None, (_slot(draft, bar, width, spec) for bar, width in bars)), None)
 
 
 def _flush(draft: Draft, ring: Ring, spec: PatternSpec) -> list[RingBar]:

@@ -30,10 +30,10 @@ class PatternSpec:
     min_gap_mm     least width of a hole; None: one nozzle
     fillet_mm      radius in re-entrant corners of the material; None: half the nozzle, 0: sharp
     finder         bars across the dark rings: `panel` one by the corner, flush with the face; `diagonal` the
-                   paper's four at 45°; `recessed` one by the corner, behind the face, and in small codes, on
-                   the one ring that readers trace, at the end of a slot that is pinched
+                   paper's four at 45°; `recessed` one by the corner, behind the face, and on the rings
+                   that readers trace at the end of a slot that is pinched
     bar_height_mm  height of a recessed bar above the back of the part
-    bar_width_mm   width of the recessed bar in the pinched slot; None: the least web. Less, down to a nozzle
+    bar_width_mm   width of recessed bars in pinched slots; None: the least web. Less, down to a nozzle
                    line, is read from further aside, and is then the only material under the least web
     objective      `optimal`, or the baselines `paper` (Eq. (4)) and `mst` (Eq. (4) with λ = 0)
     loss_weight    λ of Eq. (4)

@@ -65,12 +65,12 @@ def test_dark_material_has_one_recessed_bar(version):
 
 
 @pytest.mark.parametrize("nozzle_mm", [0.2, 0.4])
-def test_only_the_bar_of_the_traced_ring_may_be_a_nozzle_line_wide(nozzle_mm):
+def test_only_bars_in_pinched_slots_may_be_a_nozzle_line_wide(nozzle_mm):
     pattern = made(nozzle_mm=nozzle_mm, size_mm=60.0, bar_width_mm=nozzle_mm)
-    (line,) = traced(pattern)
     cell = pattern.draft.lattice.cell_mm
-    assert nozzle_mm <= line.width_mm < nozzle_mm + 2 * cell
-    webs = [bar.width_mm for bar in pattern.recessed if bar != line]
+    lines = [bar.width_mm for bar in pattern.recessed if bar.pinched]
+    assert nozzle_mm <= min(lines) <= max(lines) < nozzle_mm + 2 * cell
+    webs = [bar.width_mm for bar in pattern.recessed if not bar.pinched]
     assert min(webs) >= pattern.spec.web_mm
     eroded = pattern.web_polygon.buffer(-0.98 * pattern.spec.web_mm / 2)
     assert eroded.geom_type == "Polygon"
@@ -78,6 +78,16 @@ def test_only_the_bar_of_the_traced_ring_may_be_a_nozzle_line_wide(nozzle_mm):
     wide = made(nozzle_mm=nozzle_mm, size_mm=60.0)
     assert traced(wide)[0].width_mm >= wide.spec.web_mm
     assert wide.polygon.buffer(-0.98 * wide.spec.web_mm / 2).geom_type == "Polygon"
+
+
+def test_slots_are_pinched_at_the_traced_ring_and_at_alignment_patterns_but_not_at_the_upper_finders():
+    pattern = made(7)
+    inside = pattern.symbol.size / 2 * pattern.module_mm - 7 * pattern.module_mm
+    upper = [bar for bar in pattern.recessed if bar.start[1] > inside and abs(bar.start[0]) > inside]
+    assert [bar.pinched for bar in upper] == [False, False]
+    (bar,) = traced(pattern)
+    assert bar.pinched
+    assert sum(bar.pinched for bar in pattern.recessed) > 1
 
 
 @pytest.mark.parametrize("style", ["rounded", "dots", "diamond", "bars"])
