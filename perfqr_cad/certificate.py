@@ -39,6 +39,12 @@ def summary(design: Design) -> str:
     limits = {name: design.scan.decoders[name].max_tilt_deg for name in design.scan.readers}
     readers = ", ".join(f"{name} to {tilt_deg:g}°" for name, tilt_deg in limits.items())
     bridges, lost = len(pattern.bridges), sum(pattern.readability.errors)
+    in_3d: list[str] = []
+    if (checked := design.verified) is not None:
+        in_3d.append(
+            f"in 3-D    {checked.solid_stress_mpa:.3g} MPa, deflection {checked.solid_deflection_mm:.3g} mm, "
+            "the walls taken as upright"
+        )
     lines = [
         f"payload   {payload_text(design)}",
         f"symbol    version {design.symbol.version}-{design.symbol.level}, mask {design.symbol.mask}, "
@@ -47,16 +53,11 @@ def summary(design: Design) -> str:
         f"{lost} codewords lost",
         f"strength  {design.reinforcement.status}: {stress.max_stress_mpa:.3g} MPa of {stress.yield_mpa:g}, "
         f"deflection {stress.max_deflection_mm:.3g} mm, {stress.material}, {design.mass_g:.1f} g",
+        *in_3d,
         f"solid     {size} mm, {solid.volume_mm3:.1f} mm³, {solid.faces} faces, "
         f"{'valid' if solid.valid else 'NOT VALID'}",
         f"scan      read by {readers}",
     ]
-    if (solid_check := design.verified) is not None:
-        stress_mpa, deflection_mm = solid_check.solid_stress_mpa, solid_check.solid_deflection_mm
-        line = (
-            f"in 3-D    {stress_mpa:.3g} MPa, deflection {deflection_mm:.3g} mm, the walls taken as upright"
-        )
-        lines.insert(4, line)
     lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings, *design.scan.warnings)]
     lines += [f"wrote     {record.path} ({record.bytes:,} bytes)" for record in design.files]
     return "\n".join(lines)

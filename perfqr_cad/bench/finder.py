@@ -17,7 +17,7 @@ from perfqr_cad.scan import Look, View
 from perfqr_cad.scan.decoders import CORE, accepted
 from perfqr_cad.scan.drawn import drawn
 from perfqr_cad.scan.panel import Panel, shared
-from perfqr_cad.scan.proof import reads
+from perfqr_cad.scan.proof import PATIENCE, reads
 from perfqr_cad.symbol import payload_of
 from perfqr_cad.table import Table
 
@@ -30,7 +30,6 @@ VIEW_MODULE_PX = 6.0  # frontal
 LEAST_VIEW_PX = 400
 VIEW_MODULE_OF_LARGE_PX = 4.0  # of codes over LARGE modules a side, as a sensor of finite size sees them
 LARGE = 100
-FRAMES = 2  # of an unsteady hand, as in the full certificate
 
 
 def run() -> Table:
@@ -60,7 +59,7 @@ def run() -> Table:
         (
             f"versions {', '.join(map(str, VERSIONS))}; modules of 1.2 and 2.4 mm; plates of"
             f" {THICKNESS_MM:g} mm with a lip of {LIP_MM:g} mm and a draft of {DRAFT_DEG:g}°",
-            f"core panel: {', '.join(CORE)}; {FRAMES} frames a view",
+            f"core panel: {', '.join(CORE)}; {PATIENCE} frames a view",
         ),
     )
 
@@ -82,7 +81,7 @@ def _read(strategy: FinderStrategy, version: int, module_mm: float, panel: Panel
         for azimuth in (AZIMUTHS_DEG if tilt else AZIMUTHS_DEG[:1])
     ]
     right = accepted(payload_of(symbol).data)
-    found = reads(scene, views, Look(), right, panel, frames=[FRAMES] * len(views))
+    found = reads(scene, views, Look(), right, panel, frames=[PATIENCE] * len(views))
     return [
         (
             ["zxing-cpp" in names for view, names in zip(views, found, strict=True) if view.tilt_deg == tilt],

@@ -73,7 +73,8 @@ def improve(
     choices   values to try for each setting, in any order
     weighs_most   the setting for whose every value the panel looks at the best trial
 
-    The start is returned when the panel reads it at the goal's tilt already, or when nothing is better.
+    The start is returned when the panel reads it from every view up to the goal's tilt already, or when
+    nothing is better.
     """
     look = look or Look()
     tried: dict[tuple[tuple[str, float], ...], Trial] = {}
@@ -99,9 +100,8 @@ def improve(
         if best is round_start:
             break
     rivals = _best_of_each(weighs_most, tried.values())
-    rivals.sort(
-        key=lambda trial: abs(trial.settings[weighs_most] - start[weighs_most])
-    )  # the first of equals
+    # The first of equals wins: what is nearest to the start.
+    rivals.sort(key=lambda trial: abs(trial.settings[weighs_most] - start[weighs_most]))
     confirmed = [_confirm(stage, trial, goal, look) for trial in rivals if trial.settings != first.settings]
     winner = max([first, *confirmed], key=lambda trial: trial.rate or 0.0)
     return winner, (*tried.values(), first, *confirmed)

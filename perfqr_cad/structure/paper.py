@@ -52,9 +52,8 @@ class PaperChoice:
             own = bar_tensors(analysis.model.section, analysis.model.wall_mm, bar, len(coupling.indptr) - 1)
             analysis.add(analysis.respond(coupling), own, places_under(analysis.model.mesh, bar))
             bridges.append(bridge)
-            stresses.append(
-                float(analysis.hot_places[1].max(initial=0.0))
-            )  # bars are judged by the next mesh
+            # Bars are judged by the next mesh.
+            stresses.append(float(analysis.hot_places[1].max(initial=0.0)))
             if stresses[-1] <= limit_mpa:
                 break
         return pattern, bridges, stresses
