@@ -10,10 +10,10 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import markup, png, svg
-from .design_view import DesignView
-from .loss import loss_curve
-from .style import STYLE
+from perfqr_cad.export import markup, png, svg
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.loss import loss_curve
+from perfqr_cad.export.style import STYLE
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge

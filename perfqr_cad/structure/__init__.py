@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .loads import Finger, Hold, Load, Pressure, Support, Weight
-from .materials import MATERIALS, Material, material
+from perfqr_cad.structure.loads import Finger, Hold, Load, Pressure, Support, Weight
+from perfqr_cad.structure.materials import MATERIALS, Material, material
 
 if TYPE_CHECKING:
-    from .analysis import analyse, analyse_region
-    from .field import StressField
-    from .reinforcement import Reinforcement
-    from .reinforcing import reinforce
-    from .solid_check import SolidCheck, verify_solid
-    from .vtu import write_vtu
+    from perfqr_cad.structure.analysis import analyse, analyse_region
+    from perfqr_cad.structure.field import StressField
+    from perfqr_cad.structure.reinforcement import Reinforcement
+    from perfqr_cad.structure.reinforcing import reinforce
+    from perfqr_cad.structure.solid_check import SolidCheck, verify_solid
+    from perfqr_cad.structure.vtu import write_vtu
 
 __all__ = [
     "MATERIALS",
