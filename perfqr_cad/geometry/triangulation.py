@@ -1,4 +1,4 @@
-"""Flat faces cut in triangles, and triangles laid on a surface split until they keep to it."""
+"""Flat faces cut in triangles, and triangles mapped onto a surface split until they keep to it."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def _turned(faces: Indices, points: Array) -> Indices:
 def refined(
     uv: Array, faces: Indices, place: Callable[[Array], Array], chord_mm: float
 ) -> tuple[Array, Indices]:
-    """Split inner edges at their midpoints until the laid triangles keep the chord tolerance.
+    """Split inner edges at their midpoints until the mapped triangles keep the chord tolerance.
 
     Boundary edges are never split: the walls share them. Raises `KernelError` on a creased surface.
     """
@@ -161,10 +161,10 @@ def refined(
 
 
 def _sagitta(uv: Array, ends: Indices, place: Callable[[Array], Array]) -> Array:
-    """How far laid edges stray from their chords, at quarters: the middle alone is blind to an S."""
+    """How far mapped edges stray from their chords, at quarters: the middle alone is blind to an S."""
     start, end = uv[ends[:, 0]], uv[ends[:, 1]]
-    laid = place(uv)
-    first, last = laid[ends[:, 0]], laid[ends[:, 1]]
+    mapped = place(uv)
+    first, last = mapped[ends[:, 0]], mapped[ends[:, 1]]
     strays = [
         np.linalg.norm(place((1 - t) * start + t * end) - ((1 - t) * first + t * last), axis=1)
         for t in (0.25, 0.5, 0.75)

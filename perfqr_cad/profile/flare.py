@@ -41,7 +41,7 @@ class Flared:
     set_back_mm: Array
 
 
-def settled(front: Sequence[Region], flare_mm: float, min_web_mm: float) -> list[Flared]:
+def flared_loops(front: Sequence[Region], flare_mm: float, min_web_mm: float) -> list[Flared]:
     """Each loop but the first outline at the back, tried out: its segments set back by `flare_mm`, or by what
     the webs and short edges bear. Both sides of a web give way alike.
 

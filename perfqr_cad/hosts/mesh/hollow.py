@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.hosts.body import Body, body_of_mesh
-from perfqr_cad.hosts.tool import manifold_of, triangles_of
+from perfqr_cad.hosts.cutters import manifold_of, triangles_of
 
 Array = NDArray[np.float64]
 

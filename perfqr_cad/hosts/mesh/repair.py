@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.hosts.body import connected, weld
-from perfqr_cad.hosts.tool import manifold_of, triangles_of
+from perfqr_cad.hosts.cutters import manifold_of, triangles_of
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -134,12 +134,12 @@ def outward(solid: TopoDS_Solid) -> TopoDS_Solid:
     return turned
 
 
-def cut(solid: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
-    """`solid` less `tools` in one boolean. Raises `KernelError` unless one solid is left."""
+def cut(solid: TopoDS_Shape, cutters: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
+    """`solid` less `cutters` in one boolean. Raises `KernelError` unless one solid is left."""
     arguments, others = TopTools_ListOfShape(), TopTools_ListOfShape()
     arguments.Append(solid)
-    for tool in tools:
-        others.Append(tool)
+    for cutter in cutters:
+        others.Append(cutter)
     operation = BRepAlgoAPI_Cut()
     operation.SetArguments(arguments)
     operation.SetTools(others)
@@ -148,11 +148,13 @@ def cut(solid: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
     operation.Build()
     if not operation.IsDone():
         raise KernelError(
-            f"cutting {len(tools)} holes failed in the kernel: move the code or change its size a little"
+            f"cutting {len(cutters)} holes failed in the kernel: move the code or change its size a little"
         )
     found = solids(operation.Shape())
     if len(found) != 1:
-        raise KernelError(f"cutting {len(tools)} holes left {len(found)} solids instead of 1: move the code")
+        raise KernelError(
+            f"cutting {len(cutters)} holes left {len(found)} solids instead of 1: move the code"
+        )
     return found[0]
 
 

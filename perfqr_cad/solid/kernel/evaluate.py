@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 # Parameters (k,) to the radius and the height there, each with its first and second derivative, (3, k).
-Profile = Callable[[Array], tuple[Array, Array]]
+Meridian = Callable[[Array], tuple[Array, Array]]
 # Parameters (k,) to the point there, its first and its second derivative, (3, k, 3).
 Curve = Callable[[Array], Array]
 
@@ -110,7 +110,7 @@ class _Turned:
     x: Array
     y: Array
     axis: Array
-    profile: Profile
+    profile: Meridian
 
     def __call__(self, uv: Array, orders: int) -> Array:
         radius, height = self.profile(uv[:, 1])
@@ -265,7 +265,7 @@ def _modelled_curve(curve: Geom_Curve, t: Array) -> Array:
     return made
 
 
-def _turned(surface: Any, profile: Profile) -> _Turned:
+def _turned(surface: Any, profile: Meridian) -> _Turned:
     return _Turned(*frame_of(surface), profile)
 
 

@@ -30,7 +30,7 @@ from perfqr_cad.geometry.rings import following, owners
 from perfqr_cad.geometry.segments import Array, Indices
 from perfqr_cad.solid.proof import flux
 from perfqr_cad.solid.tables.brep import Brep
-from perfqr_cad.solid.tables.edge_points import Samples
+from perfqr_cad.solid.tables.edge_points import EdgePoints
 
 VERTEX_MM = 1e-6  # vertices of a part of whole millimetres that are this close are one
 SLACK = 1.5  # between points sampled here and the tolerance that an edge was given from other points
@@ -50,7 +50,7 @@ def check(
     expected_volume_mm3  from the outline, and the share of it by which the measured volume may differ
     volume_mm3           as measured on the faces, where that was done already
     """
-    samples = Samples(brep)
+    samples = EdgePoints(brep)
     if missing := _missing(samples):
         return missing
     found = [*_whole(brep), *_chained(brep), *_closed(brep), *_manifold(brep), *_apart(brep)]
@@ -71,7 +71,7 @@ def check(
     return tuple(found)
 
 
-def _missing(samples: Samples) -> tuple[str, ...]:
+def _missing(samples: EdgePoints) -> tuple[str, ...]:
     """What there is nothing to look at without."""
     brep = samples.brep
     flaws = {
@@ -126,7 +126,7 @@ def _apart(brep: Brep) -> list[str]:
     return [f"two vertices coincide at {at(brep.points[a])}" for a, _ in sorted(pairs)]
 
 
-def _on_vertices(samples: Samples) -> list[str]:
+def _on_vertices(samples: EdgePoints) -> list[str]:
     """Every edge has an extent, and runs from vertex to vertex."""
     brep, drawn = samples.brep, samples.drawn
     extent = np.abs(drawn[:, 1:] - drawn[:, :1]).max(axis=(1, 2), initial=0.0)
@@ -141,7 +141,7 @@ def _on_vertices(samples: Samples) -> list[str]:
     return found
 
 
-def _on_faces(samples: Samples) -> list[str]:
+def _on_faces(samples: EdgePoints) -> list[str]:
     """Every edge lies on its faces."""
     brep, off = samples.brep, samples.off_faces
     limit = brep.tolerance_mm[brep.edges]
@@ -152,7 +152,7 @@ def _on_faces(samples: Samples) -> list[str]:
     ]
 
 
-def _loops(samples: Samples) -> list[str]:
+def _loops(samples: EdgePoints) -> list[str]:
     """Outlines are simple, apart, nested, and run with the face on their left."""
     corners, starts = samples.outlines
     if (np.diff(starts) < 3).any():

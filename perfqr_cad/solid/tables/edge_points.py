@@ -19,7 +19,7 @@ FRACTIONS = np.linspace(0.0, 1.0, PIECES + 1)
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class EdgePoints:
     """What the edges of a shell look like at equal fractions; NaN where they have no curve or image."""
 
     brep: Brep

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.hosts.body import Array
-from perfqr_cad.hosts.wall import COARSE, Frame, Survey, frame_at, largest_below, survey, surveys
-from perfqr_cad.hosts.wish import Wish, floored, triple
+from perfqr_cad.hosts.frame import Frame, frame_at
+from perfqr_cad.hosts.place import PlaceRequest, floored, triple
+from perfqr_cad.hosts.survey import COARSE, Survey, largest_below, survey, surveys
 
 if TYPE_CHECKING:
     from perfqr_cad.hosts.step.host import Host
@@ -26,39 +27,39 @@ ON_FACE_MM = 1e-3  # a given point this near to the surface is on it
 SEED = 0
 
 
-def place(host: Host, wish: Wish, size_mm: float, problem: Problem) -> Survey:
+def place(host: Host, wanted: PlaceRequest, size_mm: float, problem: Problem) -> Survey:
     """The survey of the place for a code of that edge.
 
     Raises `DesignError` with the reason, the largest size that works there and the nearest place that works.
     """
-    if wish.point is not None:
-        return _judged(host, _at_point(host, wish), size_mm, problem, wish)
-    if wish.face is not None:
-        index = _number(host, wish.face)
-        found = _on_face(host, index, size_mm, problem, wish.up)
+    if wanted.point is not None:
+        return _judged(host, _at_point(host, wanted), size_mm, problem, wanted)
+    if wanted.face is not None:
+        index = _number(host, wanted.face)
+        found = _on_face(host, index, size_mm, problem, wanted.up)
         if found is None:
-            frame = _centre(host, index, wish.up)
+            frame = _centre(host, index, wanted.up)
             if frame is None:
                 raise DesignError(
                     f"face {index + 1} of {host.name!r} has no usable spot: choose another face or up"
                 )
-            return _judged(host, frame, size_mm, problem, wish)
+            return _judged(host, frame, size_mm, problem, wanted)
         return found
-    return _largest_that_fits(host, size_mm, problem, wish)
+    return _largest_that_fits(host, size_mm, problem, wanted)
 
 
-def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wish: Wish) -> Survey:
+def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wanted: PlaceRequest) -> Survey:
     """The largest face that takes the code, alone or with the faces it runs smoothly into."""
     areas = np.bincount(host.body.face_of, host.body.areas_mm2, minlength=len(host.faces))
     order = [int(i) for i in np.argsort(-areas, kind="stable")[:FACES_TRIED] if areas[i] > 0]
 
     def first(size: float, among: list[int]) -> tuple[int, Survey] | None:
-        tried = ((i, _on_face(host, i, size, problem, wish.up)) for i in among)
+        tried = ((i, _on_face(host, i, size, problem, wanted.up)) for i in among)
         return next(((i, found) for i, found in tried if found is not None), None)
 
     if (chosen := first(size_mm, order)) is not None:
         return chosen[1]
-    centres = [_centre(host, i, wish.up) for i in order[:FACES_SIZED]]
+    centres = [_centre(host, i, wanted.up) for i in order[:FACES_SIZED]]
     middles = surveys(host.body, [frame for frame in centres if frame is not None], size_mm)
     if not middles:
         raise DesignError(f"{host.name!r} has no face with a middle to lay a code on: name a point")
@@ -97,7 +98,7 @@ def _on_face(host: Host, index: int, size_mm: float, problem: Problem, up: Array
 def _promising(
     host: Host, index: int, size_mm: float, problem: Problem, up: ArrayLike | None
 ) -> Iterator[Survey]:
-    """Spots of a face that a coarse survey finds good, those next to its middle first; without a wish for
+    """Spots of a face that a coarse survey finds good, those next to its middle first; without a wanted for
     `up`, turned ones at the end.
     """
     points, normals, _ = host.body.samples(CANDIDATES, SEED, np.array([index]))
@@ -121,14 +122,14 @@ def _centre(host: Host, index: int, up: ArrayLike | None) -> Frame | None:
     return next((f for f in found if f is not None), None)
 
 
-def _judged(host: Host, frame: Frame, size_mm: float, problem: Problem, wish: Wish) -> Survey:
+def _judged(host: Host, frame: Frame, size_mm: float, problem: Problem, wanted: PlaceRequest) -> Survey:
     """The survey at one frame, or the refusal with what would work instead."""
     found = survey(host.body, frame, size_mm)
     reason = problem(found)
     if reason is None:
         return found
     largest = _largest_mm(host, frame, problem, size_mm)
-    nearest = _nearest(host, frame, size_mm, problem, wish.up)
+    nearest = _nearest(host, frame, size_mm, problem, wanted.up)
     if nearest is None:
         remedy = _size(largest) or "; no place on the part takes it: choose a smaller size"
     else:
@@ -165,15 +166,15 @@ def _nearest(
     return None
 
 
-def _at_point(host: Host, wish: Wish) -> Frame:
+def _at_point(host: Host, wanted: PlaceRequest) -> Frame:
     """Where the reader, at the point and looking along the direction, first meets the part.
 
     A point on the surface itself is taken as it is; without a direction the nearest surface is meant.
     """
-    point, look = np.asarray(wish.point, float), wish.look()
+    point, look = np.asarray(wanted.point, float), wanted.look()
     index, on = host.nearest(point)
     if look is None or np.linalg.norm(on - point) < ON_FACE_MM:
-        return _required(host, index, on, wish)
+        return _required(host, index, on, wanted)
     entered = host.body.first_entered(point, look)
     if entered is None:
         raise DesignError(
@@ -181,16 +182,18 @@ def _at_point(host: Host, wish: Wish) -> Frame:
             f"nearest is face {index + 1} at {triple(on)}): move the point, or give one on the surface"
         )
     triangle, hit = entered
-    return _required(host, int(host.body.face_of[triangle]), hit, wish)
+    return _required(host, int(host.body.face_of[triangle]), hit, wanted)
 
 
-def _required(host: Host, face: int, at: Array, wish: Wish) -> Frame:
+def _required(host: Host, face: int, at: Array, wanted: PlaceRequest) -> Frame:
     """The frame on a face next to a point. Raises `DesignError` where the surface or `up` gives none."""
-    frame = host.frame_near(face, at, wish.up)
+    frame = host.frame_near(face, at, wanted.up)
     if frame is not None:
         return frame
-    if wish.up is not None and host.frame_near(face, at, None) is not None:
-        raise DesignError(f"up={triple(wish.up)} points along the normal of face {face + 1}: choose another")
+    if wanted.up is not None and host.frame_near(face, at, None) is not None:
+        raise DesignError(
+            f"up={triple(wanted.up)} points along the normal of face {face + 1}: choose another"
+        )
     raise DesignError(f"the surface has no normal at {triple(at)}: move the point a little")
 
 

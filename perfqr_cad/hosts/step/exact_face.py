@@ -29,7 +29,7 @@ SEEDS = 24  # a side: starting points of Newton's iteration
 
 
 @dataclass(frozen=True)
-class Skin:
+class ExactFace:
     """One face of a solid with its exact surface."""
 
     face: TopoDS_Face

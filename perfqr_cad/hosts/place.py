@@ -14,7 +14,7 @@ Triple = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Wish:
+class PlaceRequest:
     """Face number (from 1), or where the reader is (mm) and looks, and what points up.
 
     Raises `DesignError` for lists that are no three finite numbers, and for directions of no length.

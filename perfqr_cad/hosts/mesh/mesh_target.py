@@ -12,11 +12,11 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.hosts.body import Body, body_of_mesh
-from perfqr_cad.hosts.lay import Projected
-from perfqr_cad.hosts.mesh.spot import place
-from perfqr_cad.hosts.step.target import GRID, LEAST_MODULES, MARGIN
-from perfqr_cad.hosts.wall import Survey, survey
-from perfqr_cad.hosts.wish import Wish
+from perfqr_cad.hosts.mesh.search import place
+from perfqr_cad.hosts.place import PlaceRequest
+from perfqr_cad.hosts.placement import Projected
+from perfqr_cad.hosts.step.imported_face import GRID, LEAST_MODULES, MARGIN
+from perfqr_cad.hosts.survey import Survey, survey
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
@@ -99,19 +99,21 @@ class MeshTarget:
                 f"a code of {size_mm:.4g} mm does not fit a body of {longest:.3g} mm: take it smaller, or if "
                 f"the file is not in mm give the longest edge (extent) or a factor (scale: 1000 for metres)"
             )
-        found = place(self.body, Wish(None, self.point, self.direction, self.up), size_mm, self._problem)
-        laid = _projected(self.body, found, found.sheet_mm(self.depth_mm))
-        laid.check(size_mm)
-        return laid
+        found = place(
+            self.body, PlaceRequest(None, self.point, self.direction, self.up), size_mm, self._problem
+        )
+        placement = _projected(self.body, found, found.sheet_mm(self.depth_mm))
+        placement.check(size_mm)
+        return placement
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
         """The carved mesh (a `Solid` of triangles only), or with `exact` the B-spline panel under the
         code.
         """
-        from perfqr_cad.hosts.mesh.patch import fit_patch
+        from perfqr_cad.hosts.cutters import carved_mesh
+        from perfqr_cad.hosts.host_profile import host_profile, with_fitted_bars
+        from perfqr_cad.hosts.mesh.fitted_panel import fit_panel
         from perfqr_cad.hosts.mesh.result import mesh_solid
-        from perfqr_cad.hosts.motif import Motif
-        from perfqr_cad.hosts.tool import carved_mesh
         from perfqr_cad.profile.recess import NoRecess
         from perfqr_cad.profile.walls import Walls
 
@@ -120,12 +122,12 @@ class MeshTarget:
         if walls.depth_mm is None and self.depth_mm is not None:
             walls = Walls(walls.draft_deg, walls.lip_mm, self.depth_mm)
         if self.exact:
-            return fit_patch(self.body, placement, pattern.size_mm).solid(pattern, walls)
-        motif = Motif.of(pattern)
+            return fit_panel(self.body, placement, pattern.size_mm).solid(pattern, walls)
+        profile = host_profile(pattern)
         try:
-            carved = carved_mesh(self.body, motif.fitted(self.body, placement), placement, walls)
+            carved = carved_mesh(self.body, with_fitted_bars(profile, self.body, placement), placement, walls)
         except NoRecess as reason:
-            flush = carved_mesh(self.body, motif.flushed(), placement, walls)
+            flush = carved_mesh(self.body, profile.with_flush_bars(), placement, walls)
             return mesh_solid(flush, self.name, (str(reason),))
         return mesh_solid(carved, self.name)
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.hosts.lay import Laid, Projected
-from perfqr_cad.hosts.step.choose import place
-from perfqr_cad.hosts.wall import MAX_WALL_MODULES, Survey, survey
-from perfqr_cad.hosts.wish import Wish
+from perfqr_cad.hosts.place import PlaceRequest
+from perfqr_cad.hosts.placement import HostPlacement, Projected
+from perfqr_cad.hosts.step.search import place
+from perfqr_cad.hosts.survey import MAX_WALL_MODULES, Survey, survey
 
 if TYPE_CHECKING:
     from perfqr_cad.geometry import Triangles
@@ -83,43 +83,43 @@ class ImportedFace:
 
     def placement(self, size_mm: float) -> Placement:
         """Where a code of that edge lies. Raises `DesignError` with the reason and what works instead."""
-        wish = Wish(self.face or None, self.point, self.direction, self.up)
+        wanted = PlaceRequest(self.face or None, self.point, self.direction, self.up)
         seen_mm = WRAP_SEEN * size_mm if self.wrap else size_mm
-        found = place(self.host, wish, seen_mm, self._problem)
-        laid = (
+        found = place(self.host, wanted, seen_mm, self._problem)
+        placement = (
             self._wrapped(found, size_mm)
             if self.wrap
             else projected(self.host, found, found.sheet_mm(self.depth_mm))
         )
-        laid.check(size_mm)
-        return laid
+        placement.check(size_mm)
+        return placement
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
         """The imported solid with the pattern in its wall."""
-        from perfqr_cad.hosts.motif import Motif
+        from perfqr_cad.hosts.host_profile import host_profile
         from perfqr_cad.hosts.step.carve import carve
         from perfqr_cad.profile.walls import Walls
 
-        if not isinstance(placement, Laid):
+        if not isinstance(placement, HostPlacement):
             raise DesignError("an imported face takes its own placement: use the one this target returned")
         if walls.depth_mm is None and self.depth_mm is not None:
             walls = Walls(walls.draft_deg, walls.lip_mm, self.depth_mm)
-        return carve(self.host, Motif.of(pattern), placement, walls)
+        return carve(self.host, host_profile(pattern), placement, walls)
 
-    def _wrapped(self, found: Survey, size_mm: float) -> Laid:
+    def _wrapped(self, found: Survey, size_mm: float) -> HostPlacement:
         from perfqr_cad.hosts.step.wrap import survey_wrapped, wrapped
 
         middle = found.front.shape[0] // 2
-        skin = self.host.skins[int(found.front[middle, middle])]
-        laid = wrapped(skin, found.frame, MARGIN * size_mm, found.sheet_mm(self.depth_mm))
-        laid.check(size_mm)
-        along = survey_wrapped(self.host.body, laid, size_mm)
+        face = self.host.exact_faces[int(found.front[middle, middle])]
+        placement = wrapped(face, found.frame, MARGIN * size_mm, found.sheet_mm(self.depth_mm))
+        placement.check(size_mm)
+        along = survey_wrapped(self.host.body, placement, size_mm)
         if (reason := self._problem(along)) is not None:
             raise DesignError(
                 f"a code of {size_mm:.4g} mm cannot be wrapped here: {reason}; project it, move it or "
                 f"take it smaller"
             )
-        return replace(laid, thickness_mm=along.sheet_mm(self.depth_mm))
+        return replace(placement, thickness_mm=along.sheet_mm(self.depth_mm))
 
     def _problem(self, found: Survey) -> str | None:
         limit = MAX_WALL_MODULES * found.size_mm / LEAST_MODULES
@@ -139,6 +139,6 @@ def projected(host: Host, found: Survey, thickness_mm: float) -> Projected:
     frames = np.broadcast_to(frame.axes, (x.size, 3, 3))
     for face in np.unique(faces):
         on = faces == face
-        exact = host.skins[face].meet(flat[on], frames[on], guesses[on], span)[1]
+        exact = host.exact_faces[face].meet(flat[on], frames[on], guesses[on], span)[1]
         heights[on] = frame.to_frame(exact)[:, 2]
     return Projected(frame, span, heights.reshape(GRID, GRID), thickness_mm)

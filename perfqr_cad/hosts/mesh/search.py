@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.hosts.body import Array, Body
-from perfqr_cad.hosts.wall import COARSE, Frame, Survey, frame_at, largest_below, survey, surveys
-from perfqr_cad.hosts.wish import Wish, floored, triple
+from perfqr_cad.hosts.frame import Frame, frame_at
+from perfqr_cad.hosts.place import PlaceRequest, floored, triple
+from perfqr_cad.hosts.survey import COARSE, Survey, largest_below, survey, surveys
 
 Problem = Callable[[Survey], str | None]
 
@@ -23,23 +24,23 @@ AVERAGED = 3  # rounds of turning the axis towards the mean normal under the cod
 ON_SURFACE_SHARE = 1e-3  # of the diagonal: a given point this near to the surface is on it
 
 
-def place(body: Body, wish: Wish, size_mm: float, problem: Problem) -> Survey:
+def place(body: Body, wanted: PlaceRequest, size_mm: float, problem: Problem) -> Survey:
     """The survey of the place for a code of that edge.
 
     The axis is the mean normal under the code: one facet's own says little. Raises `DesignError` with the
     reason, the largest size that works and, for a given spot, the nearest place that works.
     """
-    if wish.point is None:
-        return _flattest(body, size_mm, problem, wish.up)
-    origin, normal = _met(body, wish)
-    found = _settled_at(body, origin, normal, size_mm, wish.up)
+    if wanted.point is None:
+        return _flattest(body, size_mm, problem, wanted.up)
+    origin, normal = _met(body, wanted)
+    found = _settled_at(body, origin, normal, size_mm, wanted.up)
     reason = "there is no flat enough surface" if found is None else problem(found)
     if found is not None and reason is None:
         return found
     raise DesignError(
         f"a code of {size_mm:.4g} mm does not work at {triple(origin)}: {reason}"
-        f"{_largest(body, origin, normal, size_mm, problem, wish.up)}"
-        f"{_nearest(body, origin, size_mm, problem, wish.up)}"
+        f"{_largest(body, origin, normal, size_mm, problem, wanted.up)}"
+        f"{_nearest(body, origin, size_mm, problem, wanted.up)}"
     )
 
 
@@ -105,9 +106,9 @@ def _averaged(found: Survey, up: ArrayLike | None) -> Frame | None:
     return frame_at(found.frame.to_space([[0.0, 0.0, middle]])[0], mean @ found.frame.axes, up)
 
 
-def _met(body: Body, wish: Wish) -> tuple[Array, Array]:
+def _met(body: Body, wanted: PlaceRequest) -> tuple[Array, Array]:
     """The surface point that is meant, and its facet's normal."""
-    point, look = np.asarray(wish.point, float), wish.look()
+    point, look = np.asarray(wanted.point, float), wanted.look()
     triangle, on = body.nearest(point)
     if look is None or np.linalg.norm(on - point) < ON_SURFACE_SHARE * body.diagonal_mm:
         return on, body.facet_normals[triangle]
