@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Cutters: what is taken away, as prisms for the modeller and as closed meshes for manifold3d."""
 
 from __future__ import annotations
@@ -12,8 +10,9 @@ import shapely
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Loop, Region
-from perfqr_cad.hosts.body import Array, Body
+from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.host_profile import bar_loops
 from perfqr_cad.hosts.placement import HostPlacement, Projected
 from perfqr_cad.hosts.probe import probe

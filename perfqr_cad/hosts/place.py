@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.hosts.body import Array
+from perfqr_cad.geometry.arrays import Array
 
 Triple = tuple[float, float, float]
 

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import TensorSpline, tensor
-from perfqr_cad.hosts.body import Array
 from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.surface import Distortion, Placement
 from perfqr_cad.surface.placement import pairs
@@ -34,7 +34,7 @@ class HostPlacement(Placement):
 
     def pattern_points(self, points: Array) -> Array:
         """Pattern points (k, 2) of points (k, 3) near the wall; NaN for those far outside the code."""
-        from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
+        from scipy.spatial import cKDTree
 
         line = np.linspace(-self.reach_mm(), self.reach_mm(), INVERSE_SEEDS)
         grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Loop
 from perfqr_cad.geometry.triangulation import delaunay
-from perfqr_cad.hosts.body import Array
 from perfqr_cad.hosts.placement import HostPlacement
 from perfqr_cad.hosts.probe import probe
 

@@ -9,7 +9,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.hosts.body import Array, Body, Index
+from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.hosts.probe import probe
 from perfqr_cad.surface import DistortionLimit
@@ -47,8 +48,8 @@ class Survey:
     wall_mm: Array
     tilt_deg: Array
     normal: Array
-    front: Index
-    back: Index
+    front: Indices
+    back: Indices
     hidden: NDArray[np.bool_]
     faceted: bool = False
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from perfqr_cad.geometry import Triangles
 from perfqr_cad.profile.backing import Backing
 from perfqr_cad.profile.caption import Caption
 from perfqr_cad.profile.colour import LIGHT, Colour
@@ -18,7 +17,7 @@ from perfqr_cad.solid.mesh import CHORD_MM, triangulate
 from perfqr_cad.solid.proof import flux
 from perfqr_cad.solid.proof.check import check
 from perfqr_cad.solid.proof.expected import volume_mm3
-from perfqr_cad.solid.shape import Corner, Solid
+from perfqr_cad.solid.shape import Solid
 from perfqr_cad.solid.stitch import panel
 from perfqr_cad.surface import Placement, Plane
 
@@ -114,16 +113,8 @@ def _assembled(sections: Sections, placement: Placement, chord_mm: float) -> Sol
         volume_mm3=volume,
         expected_volume_mm3=expected,
         problems=problems,
-        bbox_mm=_bounds(triangles),
+        bbox_mm=triangles.bounds_mm,  # exact on plates, within the chord elsewhere
     )
-
-
-def _bounds(triangles: Triangles) -> tuple[Corner, Corner]:
-    """Of the mesh: exact on plates, within the chord elsewhere."""
-    (x0, y0, z0), (x1, y1, z1) = (
-        f(axis=0).tolist() for f in (triangles.vertices.min, triangles.vertices.max)
-    )
-    return (x0, y0, z0), (x1, y1, z1)
 
 
 def chart_of(placement: Placement) -> Chart:

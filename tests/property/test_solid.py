@@ -1,4 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
 """Random outlines, walls and placements: sound solids of the right volume, or a refusal that says why."""
 
 from __future__ import annotations

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The surface under a code as an exact B-spline panel, for CAD programs that want faces and not triangles."""
 
 from __future__ import annotations
@@ -10,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import DEGREE, collocation, greville
-from perfqr_cad.hosts.body import Array, Body
+from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.hosts.placement import Projected
 from perfqr_cad.hosts.survey import survey

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Perforating an imported wall: each hole is punched between exact faces; only those over an edge are cut."""
 
 from __future__ import annotations
@@ -13,8 +11,8 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Loop
-from perfqr_cad.hosts.body import Array
 from perfqr_cad.hosts.cutters import carved_mesh, prism
 from perfqr_cad.hosts.host_profile import bar_loops, with_fitted_bars
 from perfqr_cad.hosts.placement import HostPlacement, Projected

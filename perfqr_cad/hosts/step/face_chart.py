@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Charts of walls between faces of an imported solid: exact on plane pairs, by Newton and fitted
 elsewhere.
 """
@@ -16,6 +14,7 @@ from OCP.BRepOffset import BRepOffset, BRepOffset_Status
 from OCP.Geom import Geom_ElementarySurface, Geom_OffsetSurface, Geom_RectangularTrimmedSurface
 from OCP.gp import gp_Trsf, gp_Vec
 
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Segment
 from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.hosts.placement import HostPlacement, Projected
@@ -25,7 +24,6 @@ from perfqr_cad.solid.charts.chart import Chart, Columns
 from perfqr_cad.solid.charts.fitted import Projection, fitted_columns
 from perfqr_cad.solid.charts.plane import PlaneChart
 from perfqr_cad.solid.kernel.modelled import ModelledSurfaces
-from perfqr_cad.solid.kernel.occ import Array
 from perfqr_cad.solid.tables.batches import Move, Surfaces
 from perfqr_cad.solid.tables.brep import Batch
 from perfqr_cad.surface import Plane

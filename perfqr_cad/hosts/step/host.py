@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """A solid that receives a code: its exact faces, its mesh, and where things are on it."""
 
 from __future__ import annotations
@@ -12,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.hosts.body import Array, Body, body_of_solid
+from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.hosts.body import Body, body_of_solid
 from perfqr_cad.hosts.frame import Frame, frame_at
 from perfqr_cad.hosts.step.exact_face import ExactFace
 from perfqr_cad.solid.kernel import booleans as kernel

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.hosts.body import Array
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.hosts.frame import Frame, frame_at
 from perfqr_cad.hosts.place import PlaceRequest, floored, triple
 from perfqr_cad.hosts.survey import COARSE, Survey, largest_below, survey, surveys

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """One face before the code and one behind it in the place of several, where a seam, a pole or a joint of
 faces runs there.
 
@@ -34,8 +32,9 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Wire
 from OCP.TopTools import TopTools_IndexedMapOfShape, TopTools_ListOfShape
 
+from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.spline import DEGREE, interpolated
-from perfqr_cad.hosts.body import Array, connected
 from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.hosts.placement import HostPlacement
 from perfqr_cad.hosts.probe import probe
@@ -261,7 +260,7 @@ def _solid(faces: Sequence[TopoDS_Face]) -> TopoDS_Solid:
     for i, face in enumerate(faces):
         for edge in occ.explore(face, EDGE):
             pairs.append((first.setdefault(numbers.Add(edge), i), i))
-    shell = connected(np.array(pairs), len(faces))
+    shell = components(np.array(pairs), len(faces))
     return solid_of(
         *([f for f, s in zip(faces, shell, strict=True) if s == k] for k in range(max(shell) + 1))
     )

@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.hosts.body import Array, Body
+from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.hosts.placement import Wrapped
 from perfqr_cad.hosts.probe import probe

@@ -14,8 +14,8 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.outline import Segment
-from perfqr_cad.geometry.segments import Array, Indices
 from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.tables.batches import Surfaces
 from perfqr_cad.solid.tables.brep import Batch, CurveTable, Kind, SurfaceTable

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Charts of curved walls of even thickness: revolved and conical ones, and which chart a wall takes."""
 
 from __future__ import annotations
@@ -21,8 +19,8 @@ from OCP.Geom import (
 from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Pnt
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Line, Segment
-from perfqr_cad.geometry.segments import Array
 from perfqr_cad.geometry.spline import DEGREE
 from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.charts.chart import Band, Chart, Columns, Traces, WallChart

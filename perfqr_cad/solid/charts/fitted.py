@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.outline import Arc, Line, Segment
-from perfqr_cad.geometry.segments import Array, Indices, by_kind, positions, rounds
+from perfqr_cad.geometry.segments import by_kind, positions, rounds
 from perfqr_cad.geometry.spline import collocation, not_a_knot
 from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.charts.chart import Band, Columns, Images, Traces

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The chart of a free-form wall of even thickness."""
 
 from __future__ import annotations
@@ -10,8 +8,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Segment
-from perfqr_cad.geometry.segments import Array
 from perfqr_cad.geometry.spline import DEGREE, greville
 from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.charts.chart import Columns, WallChart

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.outline import Bezier, Line, Segment
-from perfqr_cad.geometry.segments import Array, Indices, by_kind, rounds
+from perfqr_cad.geometry.segments import by_kind, rounds
 from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.charts.chart import Band, Columns, Images, Traces, WallChart
 from perfqr_cad.solid.charts.ruled import box_images, grid_images, oblique, spans_of

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The few kernel calls that carving into an imported solid needs, as plain functions."""
 
 from __future__ import annotations
@@ -8,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve
@@ -24,11 +21,12 @@ from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face, TopoDS_Shape, TopoD
 from OCP.TopTools import TopTools_ListOfShape
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.geometry.triangles import Corner
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.solid.kernel.occ import EDGE, FACE
 
 Kind = Literal["SOLID", "SHELL", "FACE", "WIRE", "EDGE", "VERTEX"]
-Array = NDArray[np.float64]
 
 MOST_EDGE_POINTS = 2000
 
@@ -158,7 +156,7 @@ def cut(solid: TopoDS_Shape, cutters: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
     return found[0]
 
 
-def bounding_box(shape: TopoDS_Shape) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+def bounding_box(shape: TopoDS_Shape) -> tuple[Corner, Corner]:
     """Least and greatest corner in mm."""
     box = Bnd_Box()
     BRepBndLib.AddOptimal_s(shape, box, False, False)

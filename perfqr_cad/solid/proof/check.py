@@ -22,12 +22,11 @@ from collections.abc import Iterable
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
+from scipy.spatial import cKDTree
 
+from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.rings import following, owners
-from perfqr_cad.geometry.segments import Array, Indices
 from perfqr_cad.solid.proof import flux
 from perfqr_cad.solid.tables.brep import Brep
 from perfqr_cad.solid.tables.edge_points import EdgePoints
@@ -88,9 +87,8 @@ def _missing(samples: EdgePoints) -> tuple[str, ...]:
 def _whole(brep: Brep) -> list[str]:
     """All faces hang together by their edges."""
     size = brep.face_count + len(brep.ends)
-    links = brep.face_of_use, brep.face_count + brep.edges
-    graph = coo_array((np.ones(len(brep.edges)), links), shape=(size, size))
-    count, _ = connected_components(graph, directed=False)
+    links = np.column_stack([brep.face_of_use, brep.face_count + brep.edges])
+    count = components(links, size).max() + 1
     return [f"the shell is in {count} pieces"] if count > 1 else []
 
 
@@ -112,8 +110,7 @@ def _manifold(brep: Brep) -> list[str]:
     heads = 2 * brep.edges + brep.ahead
     tails = (2 * brep.edges + ~brep.ahead)[brep.following]
     size = 2 * len(brep.ends)
-    graph = coo_array((np.ones(len(heads)), (heads, tails)), shape=(size, size))
-    _, fan = connected_components(graph, directed=False)
+    fan = components(np.column_stack([heads, tails]), size)
     pairs = np.sort(brep.ends.ravel() * size + fan)
     fans = np.bincount(pairs[np.diff(pairs, prepend=-1) > 0] // size)
     doubled = np.flatnonzero(fans > 1)

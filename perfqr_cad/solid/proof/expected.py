@@ -15,8 +15,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.interpolate import RectBivariateSpline, make_interp_spline
 
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.outline import Arc, Bezier, Segment
-from perfqr_cad.geometry.segments import Array, Indices, by_kind, derivatives, positions, quarters, rounds
+from perfqr_cad.geometry.segments import by_kind, derivatives, positions, quarters, rounds
 from perfqr_cad.profile.sections import Loft
 from perfqr_cad.surface import Placement, Revolved
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.geometry.segments import Array
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.solid.step.text import UNIT_DIGITS, Part21, real, reals, refs
 from perfqr_cad.solid.tables.batches import (
     Arcs,

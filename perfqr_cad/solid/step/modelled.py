@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Curves and surfaces of the modeller as STEP geometry (ISO 10303-42): faces of imported solids."""
 
 from __future__ import annotations
