@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +23,6 @@ MAX_WALL_MODULES = 5.0
 STEP_SLACK = 0.05  # of the sample spacing: height change that no slope explains
 INSET = 1e-4  # of the code's edge: rays of the rim fall just inside a face of exactly the code's size
 OFF_SPOT = 1e-3  # of the code's edge: the surface at the centre against the frame's origin
-LADDER = 13  # sizes tried below one that does not work
 FINE, COARSE = 61, 9  # samples a side: to judge a place, and to look for one
 
 
@@ -178,20 +176,10 @@ def surveys(body: Body, frames: Sequence[Frame], size_mm: float, samples: int = 
     ]
 
 
-def largest_below(size_mm: float, works: Callable[[float], bool]) -> float:
-    """The largest size below the given one that works, to 1 %; 0 when none of a few does.
-
-    Sizes are tried from above: a wall that is thin for a wide module is a block for a narrow one.
-    """
-    steps = np.linspace(1.0, 0.1, LADDER)
-    for high, low in pairwise((steps * size_mm).tolist()):
-        if not works(low):
-            continue
-        while high - low > 0.01 * size_mm:
-            middle = (low + high) / 2
-            low, high = (middle, high) if works(middle) else (low, middle)
-        return low
-    return 0.0
+def coarse_surveys(body: Body, frames: Sequence[Frame | None], size_mm: float) -> list[Survey | None]:
+    """Coarse surveys of many places, None where there is no frame."""
+    made = iter(surveys(body, [frame for frame in frames if frame is not None], size_mm, COARSE))
+    return [None if frame is None else next(made) for frame in frames]
 
 
 def _neighbours(values: NDArray, axis: int) -> tuple[NDArray, NDArray]:

@@ -141,14 +141,14 @@ def run(request: Request, target: Target | None = None) -> Design:
         drawn = patterns.build(symbol, spec, None if capture is None else capture.art)
     site = dressed(target or plate(request), request)
     with watch("placement"):
-        placement = site.placement(drawn.extent_mm)
+        placement = site.placement(drawn.extent_mm, request.depth_mm)
         terms.walls(request).require_fit(placement.thickness_mm)
     if request.scan_tilt_deg:
         with watch("tuning"):
             request = _tuned(request, drawn, placement.thickness_mm, is_plate=target is None)
         if target is None:  # its thickness may be another now
             site = dressed(plate(request), request)
-            placement = site.placement(drawn.extent_mm)
+            placement = site.placement(drawn.extent_mm, request.depth_mm)
     walls = terms.walls(request, or_straight=left_open)
     with watch("structure"):
         reinforced = structure.reinforce(

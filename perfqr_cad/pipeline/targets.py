@@ -25,8 +25,9 @@ class Target(Protocol):
         """A dark body that the finished part sits on and that is seen through its holes, or None."""
         ...
 
-    def placement(self, size_mm: float) -> Placement:
-        """Where a code of this edge (with quiet zone and frame) lies. `DesignError` when it does not fit."""
+    def placement(self, size_mm: float, depth_mm: float | None = None) -> Placement:
+        """Where a code of this edge (with quiet zone and frame) lies, with pockets so deep or through-holes.
+        `DesignError` when it does not fit."""
         ...
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
@@ -50,7 +51,7 @@ class Sheet:
     def behind(self) -> None:
         """Nothing: the ground is seen through the holes."""
 
-    def placement(self, size_mm: float) -> Placement:
+    def placement(self, size_mm: float, depth_mm: float | None = None) -> Placement:
         """The surface, once its distortion is within the limit."""
         self.surface.check(size_mm)
         return self.surface

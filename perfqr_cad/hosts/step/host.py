@@ -80,11 +80,6 @@ class Host:
             np.any((np.maximum(np.abs(x), np.abs(y)) < size_mm / 2) & (h < depth_mm) & (h > -depth_mm))
         )
 
-    def nearest(self, point: Array) -> tuple[int, Array]:
-        """The face nearest to a point, by place, and the nearest point on it."""
-        triangle, on = self.body.nearest(point)
-        return int(self.body.face_of[triangle]), on
-
     def frame_near(self, face: int, point: Array, up: ArrayLike | None) -> Frame | None:
         """The frame at the exact point of a face nearest to a point; None where it has no normal."""
         foot = self.exact_faces[face].foot(point)

@@ -1,207 +1,159 @@
-"""Finding the place for a code on a solid: a given face, a given spot, or the largest face that takes it."""
+"""The search for the place of a code on a solid: a given face or spot, or the largest face that takes it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.hosts.frame import Frame, frame_at
-from perfqr_cad.hosts.place import PlaceRequest, floored, triple
-from perfqr_cad.hosts.survey import COARSE, Survey, largest_below, survey, surveys
+from perfqr_cad.hosts.place import (
+    PlaceRequest,
+    PlaceSearch,
+    Problem,
+    Spot,
+    floored,
+    largest_below,
+    triple,
+)
+from perfqr_cad.hosts.step.host import Host
+from perfqr_cad.hosts.survey import COARSE, Survey, coarse_surveys, survey, surveys
 
-if TYPE_CHECKING:
-    from perfqr_cad.hosts.step.host import Host
-
-Problem = Callable[[Survey], str | None]
-
-CANDIDATES = 160  # spots tried on one face, or round a spot that does not work
+CANDIDATES = 160  # spots tried on one face, half of those tried round a spot that does not work
 FACES_TRIED = 40
 FACES_SIZED = 4  # of them asked for the largest code when none takes the one that is wanted
 TURNS_DEG = (0.0, 45.0, 30.0, 60.0, 15.0, 75.0)
-ON_FACE_MM = 1e-3  # a given point this near to the surface is on it
-SEED = 0
 
 
 def place(host: Host, wanted: PlaceRequest, size_mm: float, problem: Problem) -> Survey:
-    """The survey of the place for a code of that edge.
-
-    Raises `DesignError` with the reason, the largest size that works there and the nearest place that works.
-    """
-    if wanted.point is not None:
-        return _judged(host, _at_point(host, wanted), size_mm, problem, wanted)
-    if wanted.face is not None:
-        index = _number(host, wanted.face)
-        found = _on_face(host, index, size_mm, problem, wanted.up)
-        if found is None:
-            frame = _centre(host, index, wanted.up)
-            if frame is None:
-                raise DesignError(
-                    f"face {index + 1} of {host.name!r} has no usable spot: choose another face or up"
-                )
-            return _judged(host, frame, size_mm, problem, wanted)
-        return found
-    return _largest_that_fits(host, size_mm, problem, wanted)
+    """The survey of the place for a code of that edge; see `PlaceSearch.place`."""
+    return FaceSearch(host.body, repr(host.name), wanted, problem, host).place(size_mm)
 
 
-def _largest_that_fits(host: Host, size_mm: float, problem: Problem, wanted: PlaceRequest) -> Survey:
-    """The largest face that takes the code, alone or with the faces it runs smoothly into."""
-    areas = np.bincount(host.body.face_of, host.body.areas_mm2, minlength=len(host.faces))
-    order = [int(i) for i in np.argsort(-areas, kind="stable")[:FACES_TRIED] if areas[i] > 0]
+@dataclass(frozen=True)
+class FaceSearch(PlaceSearch):
+    """A search on a solid: frames are those of its exact faces."""
 
-    def first(size: float, among: list[int]) -> tuple[int, Survey] | None:
-        tried = ((i, _on_face(host, i, size, problem, wanted.up)) for i in among)
+    host: Host
+
+    @property
+    def on_surface_mm(self) -> float:
+        return 1e-3
+
+    @property
+    def candidates(self) -> Sequence[Spot]:
+        return self.sampled(2 * CANDIDATES)
+
+    def survey_at(self, spot: Spot, size_mm: float) -> Survey | None:
+        frame = self.host.frame_near(spot.face, spot.point, self.wanted.up)
+        return None if frame is None else survey(self.body, frame, size_mm)
+
+    def rough_surveys(self, spots: Sequence[Spot], size_mm: float) -> Sequence[Survey | None]:
+        frames = [frame_at(spot.point, spot.normal, self.wanted.up) for spot in spots]
+        return coarse_surveys(self.body, frames, size_mm)
+
+    def met(self) -> Spot:
+        """As `PlaceSearch.met`. Raises `DesignError` where the surface or `up` gives no frame."""
+        spot, up = super().met(), self.wanted.up
+        if self.host.frame_near(spot.face, spot.point, up) is not None:
+            return spot
+        if up is not None and self.host.frame_near(spot.face, spot.point, None) is not None:
+            raise DesignError(
+                f"up={triple(up)} points along the normal of face {spot.face + 1}: choose another"
+            )
+        raise DesignError(f"the surface has no normal at {triple(spot.point)}: move the point a little")
+
+    def searched(self, size_mm: float) -> Survey:
+        """On the face that is asked for, or on the largest that takes the code."""
+        if self.wanted.face is None:
+            return self._on_largest(size_mm)
+        index = self._number(self.wanted.face)
+        if (found := self._on_face(index, size_mm)) is not None:
+            return found
+        centre = self._centre(index)
+        if centre is None:
+            raise DesignError(
+                f"face {index + 1} of {self.name} has no usable spot: choose another face or up"
+            )
+        return self.judged(Spot(centre.origin, centre.axes[2], index), size_mm)
+
+    def _on_largest(self, size_mm: float) -> Survey:
+        """On the largest face that takes the code, alone or with the faces it runs smoothly into."""
+        areas = np.bincount(self.body.face_of, self.body.areas_mm2, minlength=len(self.host.faces))
+        order = [int(i) for i in np.argsort(-areas, kind="stable")[:FACES_TRIED] if areas[i] > 0]
+        if (chosen := self._first(order, size_mm)) is not None:
+            return chosen[1]
+        few = order[:FACES_SIZED]
+        centres = [frame for i in few if (frame := self._centre(i)) is not None]
+        middles = surveys(self.body, centres, size_mm)
+        if not middles:
+            raise DesignError(f"{self.name} has no face with a middle for a code: name a point")
+        nearly = [found for found in middles if found.front_problem() is None] or middles
+        reason = self.problem(nearly[0]) or "no place takes it"
+        largest = largest_below(size_mm, lambda size: self._first(few, size) is not None)
+        remedy = ""
+        if largest and (smaller := self._first(few, largest)) is not None:
+            remedy = f"; at most {floored(largest)} mm fits: face={smaller[0] + 1}"
+        raise DesignError(
+            f"no face of {self.name} takes a code of {size_mm:.4g} mm; in the middle of the largest, "
+            f"{reason}{remedy}"
+        )
+
+    def _first(self, faces: Sequence[int], size_mm: float) -> tuple[int, Survey] | None:
+        """The first of some faces that takes the code, and where."""
+        tried = ((i, self._on_face(i, size_mm)) for i in faces)
         return next(((i, found) for i, found in tried if found is not None), None)
 
-    if (chosen := first(size_mm, order)) is not None:
-        return chosen[1]
-    centres = [_centre(host, i, wanted.up) for i in order[:FACES_SIZED]]
-    middles = surveys(host.body, [frame for frame in centres if frame is not None], size_mm)
-    if not middles:
-        raise DesignError(f"{host.name!r} has no face with a middle to lay a code on: name a point")
-    nearly = [found for found in middles if found.front_problem() is None] or middles
-    reason = problem(nearly[0]) or "no place takes it"
-    few = order[:FACES_SIZED]
-    largest = largest_below(size_mm, lambda size: first(size, few) is not None)
-    remedy = ""
-    if largest and (smaller := first(largest, few)) is not None:
-        remedy = f"; at most {floored(largest)} mm fits: face={smaller[0] + 1}"
-    raise DesignError(
-        f"no face of {host.name!r} takes a code of {size_mm:.4g} mm; in the middle of the largest, "
-        f"{reason}{remedy}"
-    )
+    def _on_face(self, index: int, size_mm: float) -> Survey | None:
+        """The first spot of a face, from its middle outwards, that takes the code; best one without edges or
+        seams."""
+        over_edges: Survey | None = None
+        for rough in self._promising(index, size_mm):
+            depth = rough.thickness_mm + float(np.abs(rough.height_mm).max())
+            clear = not self.host.has_edges_under(rough.frame, size_mm, depth)
+            if not clear and over_edges is not None:
+                continue
+            frame = self.host.frame_near(index, rough.frame.origin, rough.frame.axes[1])
+            fine = None if frame is None else survey(self.body, frame, size_mm)
+            if fine is not None and self.problem(fine) is None:
+                if clear:
+                    return fine
+                over_edges = fine
+        return over_edges
 
+    def _promising(self, index: int, size_mm: float) -> Iterator[Survey]:
+        """Spots of a face that a coarse survey finds good, those next to its middle first; without a wanted
+        `up`, turned ones at the end."""
+        up = self.wanted.up
+        middle, spots = self._from_the_middle(index)
+        frames = [self.host.frame_near(index, middle, up)]
+        frames += [frame_at(spot.point, spot.normal, up) for spot in spots]
+        level = [frame for frame in frames if frame is not None]
+        few = level[: CANDIDATES // 8]
+        for angle in TURNS_DEG if up is None else TURNS_DEG[:1]:
+            turned = level if angle == 0 else [frame.turned(angle) for frame in few]
+            yield from (f for f in surveys(self.body, turned, size_mm, COARSE) if self.problem(f) is None)
 
-def _on_face(host: Host, index: int, size_mm: float, problem: Problem, up: ArrayLike | None) -> Survey | None:
-    """The first spot of a face, from its middle outwards, that takes the code; best one without edges or
-    seams.
-    """
-    over_edges: Survey | None = None
-    for rough in _promising(host, index, size_mm, problem, up):
-        depth = rough.thickness_mm + float(np.abs(rough.height_mm).max())
-        clear = not host.has_edges_under(rough.frame, size_mm, depth)
-        if not clear and over_edges is not None:
-            continue
-        frame = host.frame_near(index, rough.frame.origin, rough.frame.axes[1])
-        fine = None if frame is None else survey(host.body, frame, size_mm)
-        if fine is not None and problem(fine) is None:
-            if clear:
-                return fine
-            over_edges = fine
-    return over_edges
+    def _centre(self, index: int) -> Frame | None:
+        """The frame nearest to the middle of a face; None where no spot has one."""
+        middle, spots = self._from_the_middle(index)
+        points = (middle, *(spot.point for spot in spots))
+        found = (self.host.frame_near(index, point, self.wanted.up) for point in points)
+        return next((frame for frame in found if frame is not None), None)
 
+    def _from_the_middle(self, index: int) -> tuple[np.ndarray, list[Spot]]:
+        """The middle (3,) of a face's spots, and these, the nearest to it first."""
+        spots = self.sampled(CANDIDATES, [index])
+        points = np.array([spot.point for spot in spots])
+        middle = points.mean(axis=0)
+        order = np.argsort(np.linalg.norm(points - middle, axis=1), kind="stable")
+        return middle, [spots[i] for i in order.tolist()]
 
-def _promising(
-    host: Host, index: int, size_mm: float, problem: Problem, up: ArrayLike | None
-) -> Iterator[Survey]:
-    """Spots of a face that a coarse survey finds good, those next to its middle first; without a wanted for
-    `up`, turned ones at the end.
-    """
-    points, normals, _ = host.body.samples(CANDIDATES, SEED, np.array([index]))
-    middle = points.mean(axis=0)
-    order = np.argsort(np.linalg.norm(points - middle, axis=1), kind="stable")
-    frames = [host.frame_near(index, middle, up)]
-    frames += [frame_at(p, n, up) for p, n in zip(points[order], normals[order], strict=True)]
-    level = [frame for frame in frames if frame is not None]
-    few = level[: CANDIDATES // 8]
-    for angle in TURNS_DEG if up is None else TURNS_DEG[:1]:
-        turned = level if angle == 0 else [frame.turned(angle) for frame in few]
-        yield from (f for f in surveys(host.body, turned, size_mm, COARSE) if problem(f) is None)
-
-
-def _centre(host: Host, index: int, up: ArrayLike | None) -> Frame | None:
-    """The frame nearest to the middle of a face; None where no spot has one."""
-    points, _, _ = host.body.samples(CANDIDATES, SEED, np.array([index]))
-    middle = points.mean(axis=0)
-    order = np.argsort(np.linalg.norm(points - middle, axis=1), kind="stable")
-    found = (host.frame_near(index, p, up) for p in (middle, *points[order]))
-    return next((f for f in found if f is not None), None)
-
-
-def _judged(host: Host, frame: Frame, size_mm: float, problem: Problem, wanted: PlaceRequest) -> Survey:
-    """The survey at one frame, or the refusal with what would work instead."""
-    found = survey(host.body, frame, size_mm)
-    reason = problem(found)
-    if reason is None:
-        return found
-    largest = _largest_mm(host, frame, problem, size_mm)
-    nearest = _nearest(host, frame, size_mm, problem, wanted.up)
-    if nearest is None:
-        remedy = _size(largest) or "; no place on the part takes it: choose a smaller size"
-    else:
-        away = float(np.linalg.norm(nearest.origin - frame.origin))
-        remedy = (
-            f"{_size(largest)}; the nearest place that works is {away:.3g} mm away: "
-            f"point={triple(nearest.origin)} "
-            f"direction={triple(-nearest.axes[2])}"
-        )
-    raise DesignError(f"a code of {size_mm:.4g} mm does not work at {triple(frame.origin)}: {reason}{remedy}")
-
-
-def _largest_mm(host: Host, frame: Frame, problem: Problem, size_mm: float) -> float:
-    """Edge of the largest code below `size_mm` that works at a frame, 0 when none does."""
-    return largest_below(size_mm, lambda size: problem(survey(host.body, frame, size)) is None)
-
-
-def _nearest(
-    host: Host, frame: Frame, size_mm: float, problem: Problem, up: ArrayLike | None
-) -> Frame | None:
-    points, normals, faces = host.body.samples(2 * CANDIDATES, SEED)
-    facing = normals @ frame.axes[2]
-    # The same side of the part first: another side is rarely what was meant.
-    order = np.lexsort((np.linalg.norm(points - frame.origin, axis=1), facing < 0.5))
-    frames = [(i, frame_at(points[i], normals[i], up)) for i in order]
-    usable = [(i, f) for i, f in frames if f is not None]
-    coarse = surveys(host.body, [f for _, f in usable], size_mm, COARSE)
-    for (i, _), rough in zip(usable, coarse, strict=True):
-        if problem(rough) is not None:
-            continue
-        spot = host.frame_near(int(faces[i]), points[i], up)
-        if spot is not None and problem(survey(host.body, spot, size_mm)) is None:
-            return spot
-    return None
-
-
-def _at_point(host: Host, wanted: PlaceRequest) -> Frame:
-    """Where the reader, at the point and looking along the direction, first meets the part.
-
-    A point on the surface itself is taken as it is; without a direction the nearest surface is meant.
-    """
-    point, look = np.asarray(wanted.point, float), wanted.look()
-    index, on = host.nearest(point)
-    if look is None or np.linalg.norm(on - point) < ON_FACE_MM:
-        return _required(host, index, on, wanted)
-    entered = host.body.first_entered(point, look)
-    if entered is None:
-        raise DesignError(
-            f"looking from {triple(point)} along {triple(look)} meets no outer face of {host.name!r} (the "
-            f"nearest is face {index + 1} at {triple(on)}): move the point, or give one on the surface"
-        )
-    triangle, hit = entered
-    return _required(host, int(host.body.face_of[triangle]), hit, wanted)
-
-
-def _required(host: Host, face: int, at: Array, wanted: PlaceRequest) -> Frame:
-    """The frame on a face next to a point. Raises `DesignError` where the surface or `up` gives none."""
-    frame = host.frame_near(face, at, wanted.up)
-    if frame is not None:
-        return frame
-    if wanted.up is not None and host.frame_near(face, at, None) is not None:
-        raise DesignError(
-            f"up={triple(wanted.up)} points along the normal of face {face + 1}: choose another"
-        )
-    raise DesignError(f"the surface has no normal at {triple(at)}: move the point a little")
-
-
-def _number(host: Host, face: int) -> int:
-    if not 1 <= face <= len(host.faces):
-        raise DesignError(f"face {face} does not exist: {host.name!r} has faces 1 to {len(host.faces)}")
-    return face - 1
-
-
-def _size(largest_mm: float) -> str:
-    return f"; at most {floored(largest_mm)} mm works there" if largest_mm > 0 else ""
+    def _number(self, face: int) -> int:
+        if not 1 <= face <= len(self.host.faces):
+            raise DesignError(
+                f"face {face} does not exist: {self.name} has faces 1 to {len(self.host.faces)}"
+            )
+        return face - 1
