@@ -123,7 +123,8 @@ def test_the_request_alone_says_how_deep_pockets_are() -> None:
     settings = {"text": "A", "level": "L", "size_mm": 24.0, "nozzle_mm": 0.3, "quiet_modules": 2}
     target = ImportedFace.of(block, point=(0, 0, 10))
     design = make(**settings, target=target, depth_mm=3.0)
-    assert lost(target, design.solid) == pytest.approx(holes_area(design.pattern.front[0]) * 3.0, rel=0.1)
+    open_mm2 = 24.0**2 - sum(piece.area for piece in design.pattern.front)
+    assert lost(target, design.solid) == pytest.approx(open_mm2 * 3.0, rel=1e-9)
     with pytest.raises(DesignError, match="set depth"):
         make(**settings, target=target)
 
