@@ -85,7 +85,6 @@ def build(p):
         ring,
         point=(0.0, -p.diameter / 2, 0.0),
         wrap=True,
-        depth_mm=p.depth or None,
         behind=mesh_shape(Cylinder(inner - p.clearance / 2, height)),
     )
     return make(target=target, **settings(p))

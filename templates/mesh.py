@@ -93,7 +93,6 @@ def build(p):
         scale=p.scale,
         extent_mm=p.extent or None,
         hollow_mm=p.hollow or None,
-        depth_mm=p.depth or None,
         part=p.part or None,
         up=p.up,
         exact=p.exact,

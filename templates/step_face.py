@@ -91,6 +91,5 @@ def build(p):
         part=p.part or None,
         up=p.up,
         wrap=p.wrap,
-        depth_mm=p.depth or None,
     )
     return make(target=target, **settings(p))

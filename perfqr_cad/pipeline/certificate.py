@@ -171,15 +171,7 @@ def _connectivity(design: Finished) -> dict[str, Any]:
 
 def _bodies(triangles: Triangles) -> int:
     """Separate pieces of the part's mesh: triangles that share a vertex belong together."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    faces = triangles.faces
-    edges = faces[:, [0, 1, 1, 2]].reshape(-1, 2)
-    count = len(triangles.vertices)
-    graph = coo_array((np.ones(len(edges), bool), (edges[:, 0], edges[:, 1])), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
-    return len(np.unique(label[faces]))
+    return len(np.unique(triangles.vertex_components[triangles.faces]))
 
 
 def _structure(design: Finished) -> dict[str, Any]:

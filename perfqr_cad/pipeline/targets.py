@@ -24,8 +24,9 @@ class Target(Protocol):
         """A dark body that the finished part sits on and that is seen through its holes, or None."""
         ...
 
-    def placement(self, size_mm: float) -> Placement:
-        """Where a code of this edge (with quiet zone and frame) lies. `DesignError` when it does not fit."""
+    def placement(self, size_mm: float, depth_mm: float | None = None) -> Placement:
+        """Where a code of this edge (with quiet zone and frame) lies, with pockets so deep or through-holes.
+        `DesignError` when it does not fit."""
         ...
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
@@ -49,7 +50,7 @@ class Sheet:
     def behind(self) -> None:
         """Nothing: the ground is seen through the holes."""
 
-    def placement(self, size_mm: float) -> Placement:
+    def placement(self, size_mm: float, depth_mm: float | None = None) -> Placement:
         """The surface, once its distortion is within the limit."""
         self.surface.check(size_mm)
         return self.surface
@@ -89,7 +90,7 @@ def locate(target: Target | None, terms: Terms, extent_mm: float) -> Site:
     from perfqr_cad.surface import Plane
 
     furnished = _furnished(target or Sheet(Plane(terms.request.thickness_mm)), terms)
-    placement = furnished.placement(extent_mm)
+    placement = furnished.placement(extent_mm, terms.walls.depth_mm)
     terms.walls.require_fit(placement.thickness_mm)
     return Site(furnished, placement)
 

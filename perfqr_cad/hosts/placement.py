@@ -9,18 +9,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import TensorSpline, tensor
-from perfqr_cad.hosts.body import Array
-from perfqr_cad.hosts.wall import Frame
+from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.surface import Distortion, Placement
 from perfqr_cad.surface.placement import pairs
 
-UNLAY_SEEDS = 33  # a side
-UNLAY_STEPS = 20  # fixed-point steps towards the foot of a point on the front
+INVERSE_SEEDS = 33  # a side
+INVERSE_STEPS = 20  # fixed-point steps towards the foot of a point on the front
 
 
 @dataclass(frozen=True)
-class Laid(Placement):
+class HostPlacement(Placement):
     """A code on a face that is not ours: every pattern point is a straight line through the wall.
 
     `line` gives the lines the holes follow; the exact faces are met along them.
@@ -32,15 +32,15 @@ class Laid(Placement):
     def line(self, uv: ArrayLike) -> tuple[Array, Array]:
         """Points (k, 3) on or near the front, and frames (k, 3, 3) whose third rows are the hole's axis."""
 
-    def unlaid(self, points: Array) -> Array:
+    def pattern_points(self, points: Array) -> Array:
         """Pattern points (k, 2) of points (k, 3) near the wall; NaN for those far outside the code."""
-        from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
+        from scipy.spatial import cKDTree
 
-        line = np.linspace(-self.reach_mm(), self.reach_mm(), UNLAY_SEEDS)
+        line = np.linspace(-self.reach_mm(), self.reach_mm(), INVERSE_SEEDS)
         grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
         distance, nearest = cKDTree(self.point(grid)).query(points)
         uv = grid[nearest]
-        for _ in range(UNLAY_STEPS):
+        for _ in range(INVERSE_STEPS):
             on_front, frames = self.line(uv)
             uv = np.clip(uv + np.einsum("kij,kj->ki", frames[:, :2], points - on_front), line[0], line[-1])
         far = distance > self.thickness_mm + 4 * (line[1] - line[0])
@@ -48,7 +48,7 @@ class Laid(Placement):
 
 
 @dataclass(frozen=True)
-class Projected(Laid):
+class Projected(HostPlacement):
     """The paper's way (§5.2): the code is projected onto the face along the normal at its centre.
 
     `heights_mm` (k, k) of the front above the tangent plane, on a square grid of edge `span_mm` (rows up,
@@ -97,7 +97,7 @@ class Projected(Laid):
 
 
 @dataclass(frozen=True)
-class Wrapped(Laid):
+class Wrapped(HostPlacement):
     """Geodesic wrap: lengths and directions from the centre are kept; isometric where the face unrolls.
 
     `points_mm` (k, k, 3) of the front on a square grid of edge `span_mm` (rows up, columns right). The holes

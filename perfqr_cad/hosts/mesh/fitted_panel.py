@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The surface under a code as an exact B-spline panel, for CAD programs that want faces and not triangles."""
 
 from __future__ import annotations
@@ -10,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import DEGREE, collocation, greville
-from perfqr_cad.hosts.body import Array, Body
-from perfqr_cad.hosts.lay import Projected
-from perfqr_cad.hosts.wall import Frame, survey
+from perfqr_cad.hosts.body import Body
+from perfqr_cad.hosts.frame import Frame
+from perfqr_cad.hosts.placement import Projected
+from perfqr_cad.hosts.survey import survey
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Solid
@@ -30,7 +30,7 @@ BEYOND = 1.01  # the fit reaches a little over the code's rim
 
 
 @dataclass(frozen=True)
-class Patch:
+class FittedPanel:
     """A bicubic height field fitted under a code, and the wall behind it.
 
     knots      flat, the same across and up; `heights_mm` are the poles (n, n), rows up, columns right
@@ -47,16 +47,16 @@ class Patch:
 
     def solid(self, pattern: Pattern, walls: Walls) -> Solid:
         """The perforated panel, where it lies on the mesh; its name states the fitting error."""
-        from perfqr_cad.hosts.motif import Motif
+        from perfqr_cad.hosts.host_profile import host_profile
         from perfqr_cad.hosts.step.carve import carve
         from perfqr_cad.hosts.step.host import Host
-        from perfqr_cad.hosts.step.target import projected
+        from perfqr_cad.hosts.step.imported_face import projected
         from perfqr_cad.solid.kernel import booleans as kernel
 
         name = f"panel fitted within {self.worst_mm:.3f} mm"
         host = Host(name, kernel.sound(self._panel(), name))
-        laid = projected(host, survey(host.body, self.frame, self.size_mm), self.thickness_mm)
-        return carve(host, Motif.of(pattern), laid, walls)
+        placement = projected(host, survey(host.body, self.frame, self.size_mm), self.thickness_mm)
+        return carve(host, host_profile(pattern), placement, walls)
 
     def _panel(self) -> TopoDS_Solid:
         """The spline swept along the axis by the wall's thickness."""
@@ -78,7 +78,7 @@ class Patch:
         return TopoDS.Solid_s(BRepPrimAPI_MakePrism(face, inward).Shape())
 
 
-def fit_patch(body: Body, laid: Projected, size_mm: float) -> Patch:
+def fit_panel(body: Body, placement: Projected, size_mm: float) -> FittedPanel:
     """The coarsest bicubic spline within `FIT_MM` of the mesh under the code, or the finest.
 
     Raises `DesignError` when even that misses by more than `WORST_SHARE` of the wall: the surface is too
@@ -86,7 +86,7 @@ def fit_patch(body: Body, laid: Projected, size_mm: float) -> Patch:
     """
     half = BEYOND * size_mm / 2
     line = np.linspace(-half, half, SAMPLES)
-    height = survey(body, laid.frame_at_centre, 2 * half, SAMPLES).height_mm
+    height = survey(body, placement.frame_at_centre, 2 * half, SAMPLES).height_mm
     if np.isnan(height).any():
         raise DesignError(
             "the code lies too near to the rim for an exact panel: move it 1 % of its size inwards"
@@ -97,13 +97,13 @@ def fit_patch(body: Body, laid: Projected, size_mm: float) -> Patch:
         rms, worst = float(np.sqrt((error**2).mean())), float(np.abs(error).max())
         if worst <= FIT_MM:
             break
-    if worst > WORST_SHARE * laid.thickness_mm:
+    if worst > WORST_SHARE * placement.thickness_mm:
         raise DesignError(
             f"the surface under the code is too rough for an exact panel: the fit misses it by "
             f"{worst:.3g} mm "
-            f"(limit {WORST_SHARE * laid.thickness_mm:.3g} mm); take a smoother spot, or the mesh result"
+            f"(limit {WORST_SHARE * placement.thickness_mm:.3g} mm); take a smoother spot, or the mesh result"
         )
-    return Patch(laid.frame_at_centre, size_mm, laid.thickness_mm, knots, poles, rms, worst)
+    return FittedPanel(placement.frame_at_centre, size_mm, placement.thickness_mm, knots, poles, rms, worst)
 
 
 def _least_squares(line: Array, height: Array, spans: int) -> tuple[Array, Array, Array]:

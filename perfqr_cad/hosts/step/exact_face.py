@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Exact faces: where a straight line through the wall meets them, and whether an outline stays inside."""
 
 from __future__ import annotations
@@ -12,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.hosts.body import Array
+from perfqr_cad.geometry.arrays import Array
 
 if TYPE_CHECKING:
     from OCP.Geom import Geom_Surface
@@ -29,7 +27,7 @@ SEEDS = 24  # a side: starting points of Newton's iteration
 
 
 @dataclass(frozen=True)
-class Skin:
+class ExactFace:
     """One face of a solid with its exact surface."""
 
     face: TopoDS_Face

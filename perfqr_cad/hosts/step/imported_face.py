@@ -1,19 +1,19 @@
-"""The target `face of an imported solid`: what `perfqr_cad.pipeline.design` carves a code into."""
+"""The target that is a face of an imported solid."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.hosts.lay import Laid, Projected
-from perfqr_cad.hosts.step.choose import place
-from perfqr_cad.hosts.wall import MAX_WALL_MODULES, Survey, survey
-from perfqr_cad.hosts.wish import Wish
+from perfqr_cad.hosts.place import PlaceRequest
+from perfqr_cad.hosts.placement import HostPlacement, Projected
+from perfqr_cad.hosts.step.search import place
+from perfqr_cad.hosts.survey import MAX_WALL_MODULES, Survey, survey
 
 if TYPE_CHECKING:
     from perfqr_cad.geometry import Triangles
@@ -28,9 +28,8 @@ Triple = tuple[float, float, float]
 # A version-1 code with its quiet zone is 29 modules wide: the widest module a code of given size can have.
 LEAST_MODULES = 29
 GRID = 65  # samples a side of the placement's height field
-WRAP_SEEN = (
-    0.8  # of a wrapped code's edge: what the reader before the centre sees of it on a strongly bent face
-)
+# Of a wrapped code's edge: what the reader before the centre sees of it on a strongly bent face.
+WRAP_SEEN = 0.8
 MARGIN = 1.02  # the field reaches a little beyond the code, for derivatives on its rim
 
 
@@ -40,11 +39,10 @@ class ImportedFace:
 
     path       the file; `part` names (or numbers from 1) a solid of an assembly
     face       number from 1, as CAD programs count; None or 0: by `point`, else the largest that takes the
-        code
+               code
     point, direction   where the reader is and looks, mm; a point on the surface needs no direction
     up         what points up in the code; default +z, or +y on faces that look along z
     wrap       lay the code along the face (lengths kept) instead of projecting it along the centre's normal
-    depth_mm   blind pockets of that depth instead of through-holes
     shape      a solid in memory instead of a file: see `of`
     behind     a dark body that the part sits on, seen through its holes: only the camera knows of it (see
                `mesh_shape`)
@@ -57,7 +55,6 @@ class ImportedFace:
     part: str | int | None = None
     up: Triple | None = None
     wrap: bool = False
-    depth_mm: float | None = None
     shape: Any = field(default=None, repr=False)
     behind: Triangles | None = field(default=None, repr=False)
 
@@ -81,49 +78,51 @@ class ImportedFace:
         chosen = read_part(self.path, self.part)
         return Host(chosen.name, chosen.shape)
 
-    def placement(self, size_mm: float) -> Placement:
-        """Where a code of that edge lies. Raises `DesignError` with the reason and what works instead."""
-        wish = Wish(self.face or None, self.point, self.direction, self.up)
+    def placement(self, size_mm: float, depth_mm: float | None = None) -> Placement:
+        """Where a code of that edge lies, as through-holes or as pockets `depth_mm` deep.
+
+        Raises `DesignError` with the reason and what works instead.
+        """
+        wanted = PlaceRequest(self.face or None, self.point, self.direction, self.up)
         seen_mm = WRAP_SEEN * size_mm if self.wrap else size_mm
-        found = place(self.host, wish, seen_mm, self._problem)
-        laid = (
-            self._wrapped(found, size_mm)
+        found = place(self.host, wanted, seen_mm, partial(_problem, depth_mm=depth_mm))
+        placement = (
+            self._wrapped(found, size_mm, depth_mm)
             if self.wrap
-            else projected(self.host, found, found.sheet_mm(self.depth_mm))
+            else projected(self.host, found, found.sheet_mm(depth_mm))
         )
-        laid.check(size_mm)
-        return laid
+        placement.check(size_mm)
+        return placement
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
         """The imported solid with the pattern in its wall."""
-        from perfqr_cad.hosts.motif import Motif
+        from perfqr_cad.hosts.host_profile import host_profile
         from perfqr_cad.hosts.step.carve import carve
-        from perfqr_cad.profile.walls import Walls
 
-        if not isinstance(placement, Laid):
+        if not isinstance(placement, HostPlacement):
             raise DesignError("an imported face takes its own placement: use the one this target returned")
-        if walls.depth_mm is None and self.depth_mm is not None:
-            walls = Walls(walls.draft_deg, walls.lip_mm, self.depth_mm)
-        return carve(self.host, Motif.of(pattern), placement, walls)
+        return carve(self.host, host_profile(pattern), placement, walls)
 
-    def _wrapped(self, found: Survey, size_mm: float) -> Laid:
+    def _wrapped(self, found: Survey, size_mm: float, depth_mm: float | None) -> HostPlacement:
         from perfqr_cad.hosts.step.wrap import survey_wrapped, wrapped
 
         middle = found.front.shape[0] // 2
-        skin = self.host.skins[int(found.front[middle, middle])]
-        laid = wrapped(skin, found.frame, MARGIN * size_mm, found.sheet_mm(self.depth_mm))
-        laid.check(size_mm)
-        along = survey_wrapped(self.host.body, laid, size_mm)
-        if (reason := self._problem(along)) is not None:
+        face = self.host.exact_faces[int(found.front[middle, middle])]
+        placement = wrapped(face, found.frame, MARGIN * size_mm, found.sheet_mm(depth_mm))
+        placement.check(size_mm)
+        along = survey_wrapped(self.host.body, placement, size_mm)
+        if (reason := _problem(along, depth_mm)) is not None:
             raise DesignError(
                 f"a code of {size_mm:.4g} mm cannot be wrapped here: {reason}; project it, move it or "
                 f"take it smaller"
             )
-        return replace(laid, thickness_mm=along.sheet_mm(self.depth_mm))
+        return replace(placement, thickness_mm=along.sheet_mm(depth_mm))
 
-    def _problem(self, found: Survey) -> str | None:
-        limit = MAX_WALL_MODULES * found.size_mm / LEAST_MODULES
-        return found.front_problem() or found.wall_problem(self.depth_mm, limit)
+
+def _problem(found: Survey, depth_mm: float | None) -> str | None:
+    """Why a surveyed wall cannot carry the code, or None."""
+    limit = MAX_WALL_MODULES * found.size_mm / LEAST_MODULES
+    return found.front_problem() or found.wall_problem(depth_mm, limit)
 
 
 def projected(host: Host, found: Survey, thickness_mm: float) -> Projected:
@@ -139,6 +138,6 @@ def projected(host: Host, found: Survey, thickness_mm: float) -> Projected:
     frames = np.broadcast_to(frame.axes, (x.size, 3, 3))
     for face in np.unique(faces):
         on = faces == face
-        exact = host.skins[face].meet(flat[on], frames[on], guesses[on], span)[1]
+        exact = host.exact_faces[face].meet(flat[on], frames[on], guesses[on], span)[1]
         heights[on] = frame.to_frame(exact)[:, 2]
     return Projected(frame, span, heights.reshape(GRID, GRID), thickness_mm)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Loop
 from perfqr_cad.geometry.triangulation import delaunay
-from perfqr_cad.hosts.body import Array
-from perfqr_cad.hosts.lay import Laid
+from perfqr_cad.hosts.placement import HostPlacement
 from perfqr_cad.hosts.probe import probe
 
 if TYPE_CHECKING:
@@ -23,11 +23,13 @@ DEPTH_POINTS = (0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5)
 FLATTEN_MM = 1e-4
 
 
-def removed_mm3(host: Host, holes: Sequence[Loop], laid: Laid, depth_mm: float | None) -> float:
+def removed_volume_mm3(
+    host: Host, holes: Sequence[Loop], placement: HostPlacement, depth_mm: float | None
+) -> float:
     """Volume of straight holes through the wall, or of pockets `depth_mm` deep, mm³."""
     points, weights = quadrature(holes)
-    depth = _wall(host, points, laid) if depth_mm is None else np.full(len(points), depth_mm)
-    layers = [laid.volume_density(points, share * depth) for share in DEPTH_POINTS]
+    depth = _wall(host, points, placement) if depth_mm is None else np.full(len(points), depth_mm)
+    layers = [placement.volume_density(points, share * depth) for share in DEPTH_POINTS]
     return float(np.sum(weights * depth * np.mean(layers, axis=0)))
 
 
@@ -46,9 +48,9 @@ def quadrature(holes: Sequence[Loop]) -> tuple[Array, Array]:
     return np.vstack(points), np.concatenate(weights)
 
 
-def _wall(host: Host, points: Array, laid: Laid) -> Array:
+def _wall(host: Host, points: Array, placement: HostPlacement) -> Array:
     """Exact wall along each hole's axis."""
-    origins, frames = laid.line(points)
+    origins, frames = placement.line(points)
     met = probe(host.body, origins, frames[:, 2])
     front = origins + met.offset_mm[:, None] * frames[:, 2]
     back = front - met.wall_mm[:, None] * frames[:, 2]
@@ -57,6 +59,8 @@ def _wall(host: Host, points: Array, laid: Laid) -> Array:
         exact = np.empty_like(guesses)
         for i in np.unique(faces):
             on = faces == i
-            exact[on] = host.skins[i].meet(origins[on], frames[on], guesses[on], laid.thickness_mm)[1]
+            exact[on] = host.exact_faces[i].meet(
+                origins[on], frames[on], guesses[on], placement.thickness_mm
+            )[1]
         ends.append(exact)
     return np.einsum("ki,ki->k", ends[0] - ends[1], frames[:, 2])

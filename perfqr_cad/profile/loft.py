@@ -1,4 +1,4 @@
-"""Loops of a pattern followed into the material, level by level."""
+"""Lofts: loops of a pattern followed into the material, level by level."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ class Level:
 
 
 @dataclass(frozen=True)
-class Well:
+class Loft:
     """One loop followed into the material, which lies to the left of travel.
 
     loops   one for each level, the uppermost first, with equally many segments
     levels  their depths: from the front, or from the level of the bars for what stands below it
     floor   number of the floor that the last loop bounds (a blind pocket's), from 1; 0: none
-    crest   number of the raised face that the first loop bounds (a letter's), from 1; 0: none
-    piece   which piece of the front face a loop at the front bounds; below a crest, the last one
-    part_of the well from front to back of which this is a storey: curves are fitted to the whole
+    boss    number of the raised face that the first loop bounds (a letter's), from 1; 0: none
+    piece   which piece of the front face a loop at the front bounds; under a boss, the last one
+    part_of the loft from front to back of which this holds some levels: curves are fitted to the whole
     """
 
     loops: tuple[Loop, ...]
     levels: tuple[Level, ...]
     floor: int = 0
-    crest: int = 0
+    boss: int = 0
     piece: int = 0
-    part_of: Well | None = None
+    part_of: Loft | None = None
 
     def stacks(self) -> list[tuple[Segment, ...]]:
         """The segments that lie above one another."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +12,11 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.hosts.body import Body, body_of_mesh
-from perfqr_cad.hosts.lay import Projected
-from perfqr_cad.hosts.mesh.spot import place
-from perfqr_cad.hosts.step.target import GRID, LEAST_MODULES, MARGIN
-from perfqr_cad.hosts.wall import Survey, survey
-from perfqr_cad.hosts.wish import Wish
+from perfqr_cad.hosts.mesh.search import place
+from perfqr_cad.hosts.place import PlaceRequest
+from perfqr_cad.hosts.placement import Projected
+from perfqr_cad.hosts.step.imported_face import GRID, LEAST_MODULES, MARGIN
+from perfqr_cad.hosts.survey import Survey, survey
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
@@ -41,7 +41,6 @@ class MeshTarget:
                direction; None: the flattest spot that takes the code
     up         what points up in the code; default +z, or +y where the spot looks along z
     hollow_mm  make the body a shell of that thickness first
-    depth_mm   blind pockets of that depth instead of through-holes
     exact      give back the panel under the code as an exact B-spline solid instead of the carved mesh
     """
 
@@ -51,7 +50,6 @@ class MeshTarget:
     scale: float = 1.0
     extent_mm: float | None = None
     hollow_mm: float | None = None
-    depth_mm: float | None = None
     part: int | None = None
     up: Triple | None = None
     exact: bool = False
@@ -91,41 +89,42 @@ class MeshTarget:
 
         return body_of_mesh(hollowed(self.outer, self.hollow_mm))
 
-    def placement(self, size_mm: float) -> Placement:
-        """Where a code of that edge lies. Raises `DesignError` with the reason and what works instead."""
+    def placement(self, size_mm: float, depth_mm: float | None = None) -> Placement:
+        """Where a code of that edge lies, as through-holes or as pockets `depth_mm` deep.
+
+        Raises `DesignError` with the reason and what works instead.
+        """
         longest = float(np.ptp(self.outer.vertices, axis=0).max())
         if size_mm > longest:
             raise DesignError(
                 f"a code of {size_mm:.4g} mm does not fit a body of {longest:.3g} mm: take it smaller, or if "
                 f"the file is not in mm give the longest edge (extent) or a factor (scale: 1000 for metres)"
             )
-        found = place(self.body, Wish(None, self.point, self.direction, self.up), size_mm, self._problem)
-        laid = _projected(self.body, found, found.sheet_mm(self.depth_mm))
-        laid.check(size_mm)
-        return laid
+        wanted = PlaceRequest(None, self.point, self.direction, self.up)
+        found = place(self.body, wanted, size_mm, partial(self._problem, depth_mm=depth_mm))
+        placement = _projected(self.body, found, found.sheet_mm(depth_mm))
+        placement.check(size_mm)
+        return placement
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
         """The carved mesh (a `Solid` of triangles only), or with `exact` the B-spline panel under the
         code.
         """
-        from perfqr_cad.hosts.mesh.patch import fit_patch
+        from perfqr_cad.hosts.cutters import carved_mesh
+        from perfqr_cad.hosts.host_profile import host_profile, with_fitted_bars
+        from perfqr_cad.hosts.mesh.fitted_panel import fit_panel
         from perfqr_cad.hosts.mesh.result import mesh_solid
-        from perfqr_cad.hosts.motif import Motif
-        from perfqr_cad.hosts.tool import carved_mesh
         from perfqr_cad.profile.recess import NoRecess
-        from perfqr_cad.profile.walls import Walls
 
         if not isinstance(placement, Projected):
             raise DesignError("a mesh takes its own placement: use the one this target returned")
-        if walls.depth_mm is None and self.depth_mm is not None:
-            walls = Walls(walls.draft_deg, walls.lip_mm, self.depth_mm)
         if self.exact:
-            return fit_patch(self.body, placement, pattern.size_mm).solid(pattern, walls)
-        motif = Motif.of(pattern)
+            return fit_panel(self.body, placement, pattern.size_mm).solid(pattern, walls)
+        profile = host_profile(pattern)
         try:
-            carved = carved_mesh(self.body, motif.fitted(self.body, placement), placement, walls)
+            carved = carved_mesh(self.body, with_fitted_bars(profile, self.body, placement), placement, walls)
         except NoRecess as reason:
-            flush = carved_mesh(self.body, motif.flushed(), placement, walls)
+            flush = carved_mesh(self.body, profile.with_flush_bars(), placement, walls)
             return mesh_solid(flush, self.name, (str(reason),))
         return mesh_solid(carved, self.name)
 
@@ -134,9 +133,9 @@ class MeshTarget:
         """The file's name without its ending."""
         return Path(self.path).stem if self.path else "mesh"
 
-    def _problem(self, found: Survey) -> str | None:
+    def _problem(self, found: Survey, depth_mm: float | None) -> str | None:
         limit = MAX_WALL_MODULES * found.size_mm / LEAST_MODULES
-        reason = found.front_problem() or found.wall_problem(self.depth_mm, limit)
+        reason = found.front_problem() or found.wall_problem(depth_mm, limit)
         if reason is not None and "set depth" in reason and self.hollow_mm is None:
             return f"{reason}, or hollow (mm) for a shell"
         return reason

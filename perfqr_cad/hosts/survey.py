@@ -1,18 +1,16 @@
-"""Looking at the wall under a code before touching it: heights, thickness, slopes, edges, what is in the
-way.
-"""
+"""The survey of the wall under a code: heights, thickness, slopes, edges, what is in the way."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from perfqr_cad.errors import DesignError
-from perfqr_cad.hosts.body import Array, Body, Index
+from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.hosts.body import Body
+from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.hosts.probe import probe
 from perfqr_cad.surface import DistortionLimit
 
@@ -25,53 +23,7 @@ MAX_WALL_MODULES = 5.0
 STEP_SLACK = 0.05  # of the sample spacing: height change that no slope explains
 INSET = 1e-4  # of the code's edge: rays of the rim fall just inside a face of exactly the code's size
 OFF_SPOT = 1e-3  # of the code's edge: the surface at the centre against the frame's origin
-LADDER = 13  # sizes tried below one that does not work
 FINE, COARSE = 61, 9  # samples a side: to judge a place, and to look for one
-
-
-@dataclass(frozen=True)
-class Frame:
-    """Where the code's centre lies and how it is turned: origin (3,), rows e1 (right), e2 (up), n (to the
-    reader).
-    """
-
-    origin: Array
-    axes: Array
-
-    @staticmethod
-    def at(origin: ArrayLike, normal: ArrayLike, up: ArrayLike | None = None) -> Frame:
-        """A frame whose e2 follows `up` (default +z, or +y where the face looks along z)."""
-        n = np.asarray(normal, float) / np.linalg.norm(normal)
-        tries = [up] if up is not None else [(0.0, 0.0, 1.0), (0.0, 1.0, 0.0)]
-        for wanted in tries:
-            e2 = np.asarray(wanted, float) - np.dot(wanted, n) * n
-            if np.linalg.norm(e2) > 0.1 * np.linalg.norm(wanted):
-                e2 /= np.linalg.norm(e2)
-                return Frame(np.asarray(origin, float), np.asarray(np.stack([np.cross(e2, n), e2, n]), float))
-        raise DesignError(
-            f"up={_vector(tries[0])} points along the face's normal: choose another up direction"
-        )
-
-    def to_space(self, xyh: ArrayLike) -> Array:
-        """Points (k, 3) of space from frame coordinates (k, 3)."""
-        return self.origin + np.asarray(xyh, float) @ self.axes
-
-    def to_frame(self, points: ArrayLike) -> Array:
-        """Frame coordinates (k, 3) of points of space."""
-        return (np.asarray(points, float) - self.origin) @ self.axes.T
-
-    def turned(self, angle_deg: float) -> Frame:
-        """The frame turned counter-clockwise about its normal."""
-        c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
-        return Frame(self.origin, np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ self.axes)
-
-
-def frame_at(origin: ArrayLike, normal: ArrayLike, up: ArrayLike | None) -> Frame | None:
-    """`Frame.at`, or None where the wish for `up` runs along the normal."""
-    try:
-        return Frame.at(origin, normal, up)
-    except DesignError:
-        return None
 
 
 @dataclass(frozen=True)
@@ -94,8 +46,8 @@ class Survey:
     wall_mm: Array
     tilt_deg: Array
     normal: Array
-    front: Index
-    back: Index
+    front: Indices
+    back: Indices
     hidden: NDArray[np.bool_]
     faceted: bool = False
 
@@ -224,20 +176,10 @@ def surveys(body: Body, frames: Sequence[Frame], size_mm: float, samples: int = 
     ]
 
 
-def largest_below(size_mm: float, works: Callable[[float], bool]) -> float:
-    """The largest size below the given one that works, to 1 %; 0 when none of a few does.
-
-    Sizes are tried from above: a wall that is thin for a wide module is a block for a narrow one.
-    """
-    steps = np.linspace(1.0, 0.1, LADDER)
-    for high, low in pairwise((steps * size_mm).tolist()):
-        if not works(low):
-            continue
-        while high - low > 0.01 * size_mm:
-            middle = (low + high) / 2
-            low, high = (middle, high) if works(middle) else (low, middle)
-        return low
-    return 0.0
+def coarse_surveys(body: Body, frames: Sequence[Frame | None], size_mm: float) -> list[Survey | None]:
+    """Coarse surveys of many places, None where there is no frame."""
+    made = iter(surveys(body, [frame for frame in frames if frame is not None], size_mm, COARSE))
+    return [None if frame is None else next(made) for frame in frames]
 
 
 def _neighbours(values: NDArray, axis: int) -> tuple[NDArray, NDArray]:
@@ -247,7 +189,3 @@ def _neighbours(values: NDArray, axis: int) -> tuple[NDArray, NDArray]:
 
 def _share(mask: NDArray[np.bool_]) -> str:
     return f"{max(mask.mean(), 0.001):.1%}"
-
-
-def _vector(v: ArrayLike) -> str:
-    return "(" + ", ".join(f"{x:.4g}" for x in np.asarray(v, float)) + ")"

@@ -1,6 +1,5 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
-"""One face before the code and one behind it, where a seam, a pole or a joint of faces runs there.
+"""One face before the code and one behind it in the place of several, where a seam, a pole or a joint of
+faces runs there.
 
 The part is scored along a square a little larger than the holes. The pieces within the square are replaced by
 one face on the same surface, turned so that its own seam and poles lie far away. Nothing moves in space.
@@ -33,12 +32,13 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Wire
 from OCP.TopTools import TopTools_IndexedMapOfShape, TopTools_ListOfShape
 
+from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.spline import DEGREE, interpolated
-from perfqr_cad.hosts.body import Array, connected
-from perfqr_cad.hosts.lay import Laid
+from perfqr_cad.hosts.frame import Frame
+from perfqr_cad.hosts.placement import HostPlacement
 from perfqr_cad.hosts.probe import probe
 from perfqr_cad.hosts.step.host import Host
-from perfqr_cad.hosts.wall import Frame
 from perfqr_cad.solid.kernel import booleans as kernel
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.solid.kernel.occ import EDGE, FACE, FORWARD, REVERSED, direction, pnt, spline_curve_2d
@@ -57,7 +57,7 @@ CROSSED = (
     Geom_SurfaceOfRevolution,
 )
 RIM = 33  # points a side of the square's rim, where its extent in space is taken
-BEYOND = 0.2  # of the wall: how far the scoring tool stands out before and behind it
+BEYOND = 0.2  # of the wall: how far the scoring surface stands out before and behind it
 STEP_MM = 0.5  # along edges, when asking which pieces lie within the square
 ON_RIM_MM = 1e-4  # rounding of the scored lines
 NEAR = 0.1  # of the wall: a piece this near to a face of it belongs there
@@ -66,63 +66,63 @@ IMAGE_MM = 1e-6  # between an edge and its image on the new face
 IMAGE_POINTS = 33  # that an image runs through
 
 
-def paned(host: Host, laid: Laid, half_mm: float, *, through: bool) -> Host | None:
+def unified(host: Host, placement: HostPlacement, half_mm: float, *, through: bool) -> Host | None:
     """The same part with one face under |u|, |v| ≤ `half_mm` and, for through-holes, one behind it.
 
     None where the faces there are of different surfaces, or the modeller does not manage.
     """
-    box = _extent(host, laid, half_mm, through)
-    pieces = _scored(host, laid, box)
+    box = _extent(host, placement, half_mm, through)
+    pieces = _scored(host, placement, box)
     if pieces is None:
         return None
-    frame = laid.frame_at_centre
+    frame = placement.frame_at_centre
     for share in (0.0, 1.0) if through else (0.0,):
         within = _within(pieces, host, frame, box, share)
-        behind = frame.origin - share * laid.thickness_mm * frame.axes[2]
-        pane = _pane(within, behind, frame.axes) if within else None
-        if pane is None:
+        behind = frame.origin - share * placement.thickness_mm * frame.axes[2]
+        single = _single_face(within, behind, frame.axes) if within else None
+        if single is None:
             return None
-        pieces = [*(piece for piece in pieces if not any(piece.IsSame(w) for w in within)), pane]
+        pieces = [*(piece for piece in pieces if not any(piece.IsSame(w) for w in within)), single]
     solid = _solid(pieces)
     return Host(host.name, solid) if kernel.is_valid(solid) else None
 
 
-def _extent(host: Host, laid: Laid, half_mm: float, through: bool) -> tuple[float, ...]:
+def _extent(host: Host, placement: HostPlacement, half_mm: float, through: bool) -> tuple[float, ...]:
     """The box of the holes in the frame of the code's centre: x, y, and heights from behind the wall."""
-    frame, line = laid.frame_at_centre, np.linspace(-half_mm, half_mm, RIM)
-    at = frame.to_frame(laid.point(np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)))
+    frame, line = placement.frame_at_centre, np.linspace(-half_mm, half_mm, RIM)
+    at = frame.to_frame(placement.point(np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)))
     (x0, y0, _), (x1, y1, _) = at.min(axis=0), at.max(axis=0)
     x, y = (a.ravel() for a in np.meshgrid(np.linspace(x0, x1, RIM), np.linspace(y0, y1, RIM)))
     flat = frame.to_space(np.column_stack([x, y, np.zeros(x.size)]))
     met = probe(host.body, flat, np.tile(frame.axes[2], (x.size, 1)))
-    wall = met.wall_mm if through else np.minimum(met.wall_mm, laid.thickness_mm)
-    proud = BEYOND * laid.thickness_mm
+    wall = met.wall_mm if through else np.minimum(met.wall_mm, placement.thickness_mm)
+    proud = BEYOND * placement.thickness_mm
     low, high = np.nanmin(met.offset_mm - wall), np.nanmax(met.offset_mm)
     return x0, x1, y0, y1, low - proud, high + proud
 
 
-def _scored(host: Host, laid: Laid, box: tuple[float, ...]) -> list[TopoDS_Face] | None:
+def _scored(host: Host, placement: HostPlacement, box: tuple[float, ...]) -> list[TopoDS_Face] | None:
     """The faces of the part, cut along the sides of the box."""
     x0, x1, y0, y1, low, high = box
     sides = BRepOffsetAPI_ThruSections(False, True)
     for height in (low, high):
         polygon = BRepBuilderAPI_MakePolygon()
         corners = np.array([[x0, y0, height], [x1, y0, height], [x1, y1, height], [x0, y1, height]])
-        for corner in laid.frame_at_centre.to_space(corners):
+        for corner in placement.frame_at_centre.to_space(corners):
             polygon.Add(pnt(corner))
         polygon.Close()
         sides.AddWire(polygon.Wire())
-    arguments, tools = TopTools_ListOfShape(), TopTools_ListOfShape()
+    arguments, cutters = TopTools_ListOfShape(), TopTools_ListOfShape()
     arguments.Append(host.shape)
-    tools.Append(sides.Shape())
+    cutters.Append(sides.Shape())
     splitter = BRepAlgoAPI_Splitter()
     splitter.SetArguments(arguments)
-    splitter.SetTools(tools)
+    splitter.SetTools(cutters)
     splitter.SetNonDestructive(True)
     splitter.Build()
     if not splitter.IsDone():
         return None
-    # The tool's own faces stand between two solids, or inside one.
+    # The scoring surface's own faces stand between two solids, or inside one.
     found = [TopoDS.Face_s(f) for f in occ.explore(splitter.Shape(), FACE)]
     outer = [f for f in found if f.Orientation() in (FORWARD, REVERSED)]
     numbers = occ.distinct(splitter.Shape(), FACE)
@@ -149,7 +149,7 @@ def _within(
     return found
 
 
-def _pane(pieces: Sequence[TopoDS_Face], centre: Array, axes: Array) -> TopoDS_Face | None:
+def _single_face(pieces: Sequence[TopoDS_Face], centre: Array, axes: Array) -> TopoDS_Face | None:
     """One face in the place of several of the same surface; None where they are not, or not simply joined."""
     first = pieces[0]
     surface = _turned(_bare(BRep_Tool.Surface_s(first)), centre, axes)
@@ -260,7 +260,7 @@ def _solid(faces: Sequence[TopoDS_Face]) -> TopoDS_Solid:
     for i, face in enumerate(faces):
         for edge in occ.explore(face, EDGE):
             pairs.append((first.setdefault(numbers.Add(edge), i), i))
-    shell = connected(np.array(pairs), len(faces))
+    shell = components(np.array(pairs), len(faces))
     return solid_of(
         *([f for f, s in zip(faces, shell, strict=True) if s == k] for k in range(max(shell) + 1))
     )
