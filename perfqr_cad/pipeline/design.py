@@ -182,7 +182,7 @@ def run(request: Request, target: Target | None = None) -> Design:
             placement,
             reinforced.pattern,
             _payload(symbol),
-            plan=terms.plan(request),
+            schedule=terms.plan(request),
             look=terms.look(request),
             seed=request.seed,
             behind=behind(site, solid, placement),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import PatternSpec
     from perfqr_cad.profile import Backing, Caption, Walls
     from perfqr_cad.profile.colour import Colour
-    from perfqr_cad.scan import Look, Plan
+    from perfqr_cad.scan import Look, Schedule
     from perfqr_cad.scan.camera.look import RGB
     from perfqr_cad.structure.loads import Load
 
@@ -107,7 +107,7 @@ def loads(request: Request) -> tuple[Load, ...]:
     return (Pressure(request.pressure_mpa), *finger, *weight)
 
 
-def plan(request: Request) -> Plan:
+def plan(request: Request) -> Schedule:
     """The quick views; with a tilt that is asked for, as many sides and frames as in the full certificate."""
     from perfqr_cad.scan import FULL, QUICK
 

@@ -55,7 +55,7 @@ def for_reader(
 
     def stage(settings: Mapping[str, float]) -> Scene:
         walls = {"draft_deg": settings["draft_deg"], "lip_mm": settings["lip_mm"]}
-        return scan.drawn(drawn, settings["thickness_mm"], **walls)
+        return scan.plate_scene(drawn, settings["thickness_mm"], **walls)
 
     goal = scan.Goal(drawn.symbol.matrix, drawn.module_mm, payload, request.scan_tilt_deg)
     weighs_most = "thickness_mm" if plate else "draft_deg"
