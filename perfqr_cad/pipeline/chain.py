@@ -134,7 +134,7 @@ def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanRep
         site.placement,
         pattern,
         payload_of(pattern.symbol).data,
-        plan=terms.views,
+        schedule=terms.views,
         look=terms.look,
         seed=terms.request.seed,
         behind=site.behind(solid),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import PatternSpec
     from perfqr_cad.profile import Backing, Caption, Walls
     from perfqr_cad.profile.colour import Colour
-    from perfqr_cad.scan import Look, Plan
+    from perfqr_cad.scan import Look, Schedule
     from perfqr_cad.scan.camera.look import RGB
     from perfqr_cad.structure import Case, Load
     from perfqr_cad.structure.reinforcement.algorithm1 import Method
@@ -43,7 +43,7 @@ class Terms:
     drawing: PatternSpec
     walls: Walls
     case: Case
-    views: Plan
+    views: Schedule
     look: Look
     caption: Caption | None
     backing: Backing | None
@@ -168,7 +168,7 @@ def _case(request: Request) -> Case:
     )
 
 
-def _views(request: Request) -> Plan:
+def _views(request: Request) -> Schedule:
     """The quick views; with a tilt that is asked for, as many sides and frames as in the full certificate."""
     from perfqr_cad.scan import FULL, QUICK
 

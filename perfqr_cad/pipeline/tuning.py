@@ -53,7 +53,7 @@ def for_reader(terms: Terms, drawn: Pattern, thickness_mm: float, *, plate: bool
 
     def stage(settings: Mapping[str, float]) -> Scene:
         walls = {"draft_deg": settings["draft_deg"], "lip_mm": settings["lip_mm"]}
-        return scan.drawn(drawn, settings["thickness_mm"], **walls)
+        return scan.plate_scene(drawn, settings["thickness_mm"], **walls)
 
     payload = payload_of(drawn.symbol).data
     goal = scan.Goal(drawn.symbol.matrix, drawn.module_mm, payload, request.scan_tilt_deg)

@@ -24,8 +24,8 @@ from perfqr_cad.scan.camera.camera import facing_up
 from perfqr_cad.scan.camera.placing import Part
 from perfqr_cad.scan.camera.raster import shrunk
 from perfqr_cad.scan.camera.scene import LEAST_WEB_MM, MARGIN, SECTION_PX, STEEPEST_DEG, Scene
-from perfqr_cad.scan.camera.sections import Stack, area
 from perfqr_cad.scan.camera.skylight import Picture
+from perfqr_cad.scan.camera.stack import Stack, area
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge, Pattern
@@ -34,7 +34,9 @@ FINER = 2  # distances are measured at this many times the sections' resolution
 STEPS = 4  # shares of the flare that webs of different widths are granted
 
 
-def drawn(pattern: Pattern, thickness_mm: float, *, draft_deg: float = 0.0, lip_mm: float = 0.0) -> Scene:
+def plate_scene(
+    pattern: Pattern, thickness_mm: float, *, draft_deg: float = 0.0, lip_mm: float = 0.0
+) -> Scene:
     """The plate that a pattern would be, ready to be filmed.
 
     Walls stand upright for the lip and flare behind it by the draft, as far as the pattern's least web
@@ -55,8 +57,8 @@ def drawn(pattern: Pattern, thickness_mm: float, *, draft_deg: float = 0.0, lip_
     shares = np.clip((depth_mm - lip_mm) / flared_mm, 0.0, 1.0) if flared_mm > 0 else np.zeros(len(depth_mm))
     kinds = list(zip(shares.tolist(), (depth_mm > thickness_mm - height_mm).tolist(), strict=True))
     sections = {kind: _bytes(walls.section(kind[0]), bars if kind[1] else None) for kind in set(kinds)}
-    target = facing_up((0.0, 0.0, thickness_mm), pattern.size_mm)
-    meshless = Part(np.zeros((0, 3)), np.zeros((0, 3), np.int64), target, flat=True)
+    code = facing_up((0.0, 0.0, thickness_mm), pattern.size_mm)
+    meshless = Part(np.zeros((0, 3)), np.zeros((0, 3), np.int64), code, flat=True)
     return Scene(meshless, sections=Stack(tuple(sections[kind] for kind in kinds), depth_mm, edge_mm))
 
 

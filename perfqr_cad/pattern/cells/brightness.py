@@ -65,7 +65,7 @@ def blur_weights(modules: int, quiet: int, per_module: int, sigma: float = BLUR_
     return csr_array((weights[inside], (rows[inside], at[inside])), shape=(modules, cells))
 
 
-def brightness(lattice: Lattice) -> Field:
+def solid_part(lattice: Lattice) -> Field:
     """(n, n) solid part of each module's sampled centre, 0 to 1."""
     return sampled(lattice.symbol_cells(), lattice.per_module)
 
@@ -85,7 +85,7 @@ def blurred(lattice: Lattice, sigma: float = BLUR_SIGMA) -> Field:
     return (weights @ (weights @ lattice.solid).T).T
 
 
-def misread_chance(contrast: Field, sigma: float = NOISE_SIGMA) -> Field:
+def module_misread_chance(contrast: Field, sigma: float = NOISE_SIGMA) -> Field:
     """Chance that a module is misread whose blurred brightness is `contrast` above one half the right way."""
     return 0.5 * (1 - _erf(contrast / (sigma * math.sqrt(2))))
 
@@ -105,7 +105,7 @@ def margin_left(
 ) -> float:
     """Least over the blocks of (capacity − expected erroneous codewords) / capacity; below 0: unreadable."""
     plan = layout(symbol.version, symbol.level)
-    right = 1 - misread_chance(right_contrast(lattice, symbol, solid_is_dark, blur), noise)
+    right = 1 - module_misread_chance(right_contrast(lattice, symbol, solid_is_dark, blur), noise)
     modules = plan.modules
     wrong = 1 - right[modules[..., 0], modules[..., 1]].prod(axis=1)
     expected = np.bincount(plan.block_of_codeword, weights=wrong, minlength=plan.blocks.count)

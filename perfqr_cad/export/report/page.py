@@ -10,14 +10,16 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from perfqr_cad.export import markup, png, svg
+from perfqr_cad.export import svg
 from perfqr_cad.export.design_view import DesignView
-from perfqr_cad.export.loss import loss_curve
-from perfqr_cad.export.style import STYLE
+from perfqr_cad.export.picture import rendered
+from perfqr_cad.export.report import markup
+from perfqr_cad.export.report.loss import loss_curve
+from perfqr_cad.export.report.stylesheet import STYLE
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge
-    from perfqr_cad.scan import DecoderResult, ScanReport, Sight
+    from perfqr_cad.scan import DecoderResult, FilmedView, ScanReport
     from perfqr_cad.structure import StressField
     from perfqr_cad.structure.stress_maps import Quantity
 
@@ -71,7 +73,7 @@ def _head(design: DesignView, certificate: dict[str, Any]) -> str:
 
 
 def _views(design: DesignView) -> str:
-    picture = markup.image(png.picture(design, *PICTURE_PX), "the part")
+    picture = markup.image(rendered(design, *PICTURE_PX), "the part")
     counts = Counter(bridge.stage for bridge in design.pattern.bridges)
     stages = "; ".join(f"{count} for {STAGE_TEXT[stage]}" for stage, count in sorted(counts.items()))
     caption = f"The pattern. Bridges: {stages or 'none'}"
@@ -184,7 +186,7 @@ def _reach(max_tilt_deg: float | None) -> str:
     return "no view" if max_tilt_deg is None else f"all to {max_tilt_deg:g}°"
 
 
-def _sight(sight: Sight, caption: str) -> str:
+def _sight(sight: FilmedView, caption: str) -> str:
     read = ", ".join(sight.read_by) or "none"
     text = f"{caption}: {sight.tilt_deg:g}° from azimuth {sight.azimuth_deg:g}°, read by {read}"
     return markup.figure(markup.image(sight.picture, caption), text)

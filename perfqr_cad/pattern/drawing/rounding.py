@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.geometry.outline import LEAST_MM, Arc, Bezier, Line, Loop, Point, Points, Region, Segment
 from perfqr_cad.pattern.bridge import Bridge
-from perfqr_cad.pattern.cells.tracing import Rings
+from perfqr_cad.pattern.cells.tracing import Boundaries
 from perfqr_cad.pattern.drawing.front import edge_under
 
 Flags: TypeAlias = NDArray[np.bool_]
@@ -33,13 +33,13 @@ def filleted(region: Region, radius_mm: float) -> Region:
     if radius_mm <= 0:
         return region
     straight = [loop for loop in region.loops if all(isinstance(s, Line) for s in loop.segments)]
-    rings = Rings.of([np.array([segment.start for segment in loop.segments]) for loop in straight])
+    rings = Boundaries.of([np.array([segment.start for segment in loop.segments]) for loop in straight])
     rounded = dict(zip(map(id, straight), _filleted(rings, radius_mm), strict=True))
     outer, *holes = (rounded.get(id(loop), loop) for loop in region.loops)
     return Region(outer, tuple(holes))
 
 
-def _filleted(rings: Rings, radius_mm: float) -> list[Loop]:
+def _filleted(rings: Boundaries, radius_mm: float) -> list[Loop]:
     before, after = rings.before, rings.after
     along, lengths, turn = _course(rings)
     # The material lies on the left: a turn to the right is re-entrant.
@@ -60,7 +60,7 @@ def _filleted(rings: Rings, radius_mm: float) -> list[Loop]:
     return _chained(rings, curves, starts, ends, gone)
 
 
-def _course(rings: Rings) -> tuple[Points, Lengths, Lengths]:
+def _course(rings: Boundaries) -> tuple[Points, Lengths, Lengths]:
     """Direction and length of the edge after each corner, and the turn at the corner, left positive."""
     edges = rings.after(rings.points) - rings.points
     lengths = np.hypot(edges[:, 0], edges[:, 1])
@@ -69,7 +69,7 @@ def _course(rings: Rings) -> tuple[Points, Lengths, Lengths]:
     return edges / lengths[:, None], lengths, np.arctan2(cross, (arriving * edges).sum(axis=1))
 
 
-def _joints(rings: Rings, along: Points, lengths: Lengths, cut: Lengths) -> tuple[Points, Points, Flags]:
+def _joints(rings: Boundaries, along: Points, lengths: Lengths, cut: Lengths) -> tuple[Points, Points, Flags]:
     """Where the curve at each corner starts and ends, and whether no line follows it.
 
     A line too short to have a direction is left out: what came before it ends where the next begins.
@@ -83,7 +83,7 @@ def _joints(rings: Rings, along: Points, lengths: Lengths, cut: Lengths) -> tupl
 
 
 def _chained(
-    rings: Rings, curves: Sequence[Segment | None], starts: Points, ends: Points, gone: Flags
+    rings: Boundaries, curves: Sequence[Segment | None], starts: Points, ends: Points, gone: Flags
 ) -> list[Loop]:
     """Loops of the curves at the corners and the lines between them."""
     lines = [
@@ -95,7 +95,7 @@ def _chained(
     return [Loop(tuple(s for s in both[first:end] if s is not None)) for first, end in spans]
 
 
-def _without_remnants(rings: Rings, cut: Lengths, lengths: Lengths) -> Lengths:
+def _without_remnants(rings: Boundaries, cut: Lengths, lengths: Lengths) -> Lengths:
     """Cuts reduced where they would leave a straight remnant too short to be meshed or offset."""
     for _ in range(2):  # the two ends of an edge may both give way
         taken = cut + rings.after(cut)
@@ -115,7 +115,7 @@ def smoothed(region: Region, tolerance_mm: float, bars: Sequence[Bridge] = ()) -
     tips = [tip for bar in bars for tip in (bar.start, bar.end)]
     loops = [_straightened(loop.flatten(), tips, SIMPLIFY_PART * tolerance_mm) for loop in region.loops]
     kept = np.concatenate([kept for _, kept in loops])
-    outer, *holes = _bent(Rings.of([corners for corners, _ in loops]), kept, tolerance_mm)
+    outer, *holes = _bent(Boundaries.of([corners for corners, _ in loops]), kept, tolerance_mm)
     return Region(outer, tuple(holes))
 
 
@@ -146,7 +146,7 @@ def _straightened(corners: Points, tips: Sequence[Point], tolerance_mm: float) -
     return np.concatenate(chains), np.concatenate(kept)
 
 
-def _bent(rings: Rings, kept: Flags, tolerance_mm: float) -> list[Loop]:
+def _bent(rings: Boundaries, kept: Flags, tolerance_mm: float) -> list[Loop]:
     along, lengths, turn = _course(rings)
     turn = np.abs(turn)
     # A quadratic arc over cuts c passes its corner at c·sin(φ/2)/2.

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from perfqr_cad.export import raycast
-from perfqr_cad.export.raycast import Camera, Look, Scene
+from perfqr_cad.export.picture import raycast
+from perfqr_cad.export.picture.raycast import Lighting, LitMesh, Viewpoint
 from perfqr_cad.geometry import Triangles
 
 GREY = 0.5
@@ -22,7 +22,7 @@ def mesh_of(*bodies):
 
 def scene_of(*bodies):
     mesh = mesh_of(*bodies)
-    return Scene(mesh, np.full((len(mesh.faces), 3), GREY))
+    return LitMesh(mesh, np.full((len(mesh.faces), 3), GREY))
 
 
 def block(low, high):
@@ -70,29 +70,29 @@ def test_sky_over_a_trench(width):
 def test_key_light_and_its_shadow():
     """A post of height 1 throws a shadow of length 1 under a light at 45°; beside it all is lit."""
     scene = scene_of(block((-0.5, -0.5, 0), (0.5, 0.5, 1)))
-    look = Look((0.0, 0.0, 1.0), (-1.0, 0.0, 1.0), key_spread=0.01)
+    lighting = Lighting((0.0, 0.0, 1.0), (-1.0, 0.0, 1.0), key_spread=0.01)
     points = np.float32([[1.2, 0, 1e-3], [1.8, 0, 1e-3], [0, 1.0, 1e-3]])
     tile = np.zeros(3, np.int32)
-    assert raycast._key(scene, points, tile, look).tolist() == [0.0, 1.0, 1.0]
+    assert raycast._key(scene, points, tile, lighting).tolist() == [0.0, 1.0, 1.0]
 
 
 def test_open_floor_takes_the_whole_light():
     """Straight above a floor: its colour times sky and key, the same at every pixel."""
     scene = scene_of(block((-50, -50, -1), (50, 50, 0)))
-    camera = Camera(np.array([0.0, 0.0, 10.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), 0.2)
-    look = Look((0.0, 0.0, 1.0), (0.0, 0.0, 1.0))
-    light = raycast.picture(scene, camera, look, 16, 12, lift=1e-3)
+    camera = Viewpoint(np.array([0.0, 0.0, 10.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), 0.2)
+    lighting = Lighting((0.0, 0.0, 1.0), (0.0, 0.0, 1.0))
+    light = raycast.render(scene, camera, lighting, 16, 12, lift=1e-3)
     assert light == pytest.approx(
-        np.full((12, 16, 3), GREY * (look.sky_strength + look.key_strength)), rel=1e-5
+        np.full((12, 16, 3), GREY * (lighting.sky_strength + lighting.key_strength)), rel=1e-5
     )
 
 
 def test_edges_are_smooth():
     """A dark block before a light floor: pixels on its outline lie between the two."""
     mesh = mesh_of(block((-50, -50, -1), (50, 50, 0)), block((-1, -1, 0.1), (1.07, 1, 0.2)))
-    scene = Scene(mesh, np.repeat([[0.9] * 3, [0.0] * 3], 12, axis=0))
-    camera = Camera(np.array([0.0, 0.0, 20.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), 0.2)
-    light = raycast.picture(scene, camera, Look((0.0, 0.0, 1.0), (0.0, 0.0, 1.0)), 64, 48, lift=1e-3)
+    scene = LitMesh(mesh, np.repeat([[0.9] * 3, [0.0] * 3], 12, axis=0))
+    camera = Viewpoint(np.array([0.0, 0.0, 20.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), 0.2)
+    light = raycast.render(scene, camera, Lighting((0.0, 0.0, 1.0), (0.0, 0.0, 1.0)), 64, 48, lift=1e-3)
     row = light[24, :, 0]
     dark, between = row < 0.01, (row > 0.05) & (row < 0.6 * row.max())
     assert dark.sum() > 10
@@ -100,7 +100,7 @@ def test_edges_are_smooth():
 
 
 def test_camera_sees_its_target_in_the_middle():
-    camera = Camera(np.array([3.0, -4.0, 5.0]), np.array([1.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 0.3)
+    camera = Viewpoint(np.array([3.0, -4.0, 5.0]), np.array([1.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 0.3)
     middle = camera.directions(np.float32([[50, 40]]), 100, 80)[0]
     towards = (camera.target - camera.eye) / np.linalg.norm(camera.target - camera.eye)
     assert middle == pytest.approx(towards, abs=1e-6)

@@ -10,14 +10,15 @@ import pytest
 from pyzbar import pyzbar
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.export import png
+from perfqr_cad.export import picture
+from perfqr_cad.export.picture import view as view_module
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.surface import Plane
 
 
 @pytest.fixture(scope="module")
 def view(code):
-    return png.picture(code, 480, 360)
+    return picture.rendered(code, 480, 360)
 
 
 def test_the_picture_of_a_flat_part_scans(view):
@@ -47,16 +48,16 @@ def test_no_seam_at_the_border(view):
 
 
 def test_a_curved_part_stands_and_is_lit(wrapped):
-    view = png.picture(wrapped, 320, 240)
+    view = picture.rendered(wrapped, 320, 240)
     assert (view[..., 0] > 150).mean() > 0.1
     assert view[:10].max() < 100
 
 
 def test_same_bytes_again(code, tmp_path, monkeypatch):
-    monkeypatch.setattr(png, "WIDTH_PX", 200)
-    monkeypatch.setattr(png, "HEIGHT_PX", 150)
+    monkeypatch.setattr(view_module, "WIDTH_PX", 200)
+    monkeypatch.setattr(view_module, "HEIGHT_PX", 150)
     for name in ("a.png", "b.png"):
-        png.write(code, tmp_path / name)
+        picture.write(code, tmp_path / name)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
     assert cv2.imread(str(tmp_path / "a.png")).shape == (150, 200, 3)
 
@@ -66,7 +67,7 @@ def test_backing_closes_the_holes(code):
     plate = code.with_backing()
     red = replace(plate.solid.extras[0], colour=(0.8, 0.02, 0.02))
     closed = replace(plate, solid=replace(plate.solid, extras=(red,)))
-    share = [_red_share(png.picture(design, 240, 180)) for design in (closed, code)]
+    share = [_red_share(picture.rendered(design, 240, 180)) for design in (closed, code)]
     assert share[0] > 0.03
     assert share[1] == 0
 
@@ -79,4 +80,4 @@ def test_a_part_without_triangles_is_refused(code):
     empty = Triangles(np.zeros((0, 3)), np.zeros((0, 3), int))
     design = replace(code, solid=replace(code.solid, triangles=empty), placement=Plane(1.0))
     with pytest.raises(KernelError, match="0 triangles"):
-        png.picture(design, 40, 30)
+        picture.rendered(design, 40, 30)

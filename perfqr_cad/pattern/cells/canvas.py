@@ -50,7 +50,7 @@ class Bar(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Draft:
+class Canvas:
     """The lattice as a reader sees it, and what made it so.
 
     upright   the solid cells without the slanted bridges, whose exact outlines are added at the end
@@ -72,14 +72,14 @@ class Draft:
     def solid(self) -> Cells:
         return self.lattice.solid
 
-    def counted(self, **edits: int) -> Draft:
-        """The same draft with more edits on its account."""
+    def counted(self, **edits: int) -> Canvas:
+        """The same canvas with more edits on its account."""
         total = Counter(self.edits)
         total.update(edits)
         return replace(self, edits={name: count for name, count in sorted(total.items()) if count})
 
-    def with_cells(self, cells: Cells, solid: bool) -> Draft:
-        """The draft with the given cells made solid or void."""
+    def with_cells(self, cells: Cells, solid: bool) -> Canvas:
+        """The canvas with the given cells made solid or void."""
         change = np.logical_or if solid else _without
         lattice = self.lattice.with_solid(change(self.solid, cells))
         return replace(self, lattice=lattice, upright=change(self.upright, cells))
@@ -96,8 +96,8 @@ class Draft:
         x1, y1 = np.rint(corners.max(axis=0)).astype(int).tolist()
         return Rect(x0, y0, x1, y1)
 
-    def with_solid(self, rects: Iterable[Rect]) -> Draft:
-        """The draft with the given cells made solid."""
+    def with_solid(self, rects: Iterable[Rect]) -> Canvas:
+        """The canvas with the given cells made solid."""
         solid, upright = self.solid.copy(), self.upright.copy()
         for rect in rects:
             rect.of(solid)[:] = rect.of(upright)[:] = True
@@ -110,7 +110,7 @@ class Draft:
         *,
         height_mm: float | None = None,
         pinched: bool = False,
-    ) -> Draft:
+    ) -> Canvas:
         """Upright bars painted solid, those of one way together; the last two as of their `Bridge`.
 
         Bars over solid ground leave no trace. Where a way bends, a bar that adds less than `FOOT` to the
@@ -130,7 +130,7 @@ class Draft:
             self, lattice=self.lattice.with_solid(solid), upright=upright, bridges=(*self.bridges, *laid)
         )
 
-    def with_slanted(self, bridge: Bridge) -> Draft:
+    def with_slanted(self, bridge: Bridge) -> Canvas:
         """A bar at any angle, with half its width more at both ends so that it is held by what it joins."""
         solid = self.solid.copy()
         paint_strip(solid, [self.lattice.from_mm(point) for point in strip(bridge)])
@@ -141,7 +141,7 @@ class Draft:
             slanted=(*self.slanted, bridge),
         )
 
-    def with_shapes(self, shapes: Sequence[Loop]) -> Draft:
+    def with_shapes(self, shapes: Sequence[Loop]) -> Canvas:
         """Holes with exact outlines cut out; the art is then taken to be asked for with them."""
         solid = self.solid.copy()
         for shape in shapes:

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from perfqr_cad.export.loss import loss_curve
+from perfqr_cad.export.report.loss import loss_curve
 from perfqr_cad.pattern import Bridge
 from perfqr_cad.symbol import Matrix, encode, layout, readability
 

@@ -20,11 +20,11 @@ CHART_WIDTH, CHART_HEIGHT, MARGIN = 520, 220, 46  # SVG units
 
 def facts(section: Mapping[str, Any]) -> str:
     """The single values of a certificate's section as a table; null reads "not measured"."""
-    rows = ((label(key), cell(key, value)) for key, value in section.items() if _single(value))
+    rows = ((key_text(key), cell(key, value)) for key, value in section.items() if _single(value))
     return table((), rows)
 
 
-def label(key: str) -> str:
+def key_text(key: str) -> str:
     """A key as people read it: no underscores, no unit."""
     unit = _unit(key)
     return (key.removesuffix(unit) if unit else key).replace("_", " ")

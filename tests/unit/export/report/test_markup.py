@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from perfqr_cad.export import markup
+from perfqr_cad.export.report import markup
 
 
 @pytest.mark.parametrize(
@@ -28,8 +28,8 @@ def test_values_read_with_their_unit(key, value, text):
 
 
 def test_label_drops_unit_and_underscores():
-    assert markup.label("max_stress_mpa") == "max stress"
-    assert markup.label("islands_before") == "islands before"
+    assert markup.key_text("max_stress_mpa") == "max stress"
+    assert markup.key_text("islands_before") == "islands before"
 
 
 def test_facts_leave_out_lists_and_sections():

@@ -26,7 +26,7 @@ EDGE_SAMPLES = 3  # sub-samples along each edge of a pixel that an outline cross
 
 
 @dataclass(frozen=True)
-class Look:
+class Lighting:
     """Light and tone. Directions point from the scene to the light; strengths are linear light."""
 
     up: tuple[float, float, float]
@@ -38,7 +38,7 @@ class Look:
 
 
 @dataclass(frozen=True)
-class Camera:
+class Viewpoint:
     """A pinhole at `eye` looking at `target`; `spread` is the tangent of half the picture's width."""
 
     eye: Floats
@@ -70,7 +70,7 @@ class Hits:
     smooth: Floats
 
 
-class Scene:
+class LitMesh:
     """A triangle mesh with a linear colour for each face (m, 3), ready for rays."""
 
     def __init__(self, mesh: Triangles, colours: Floats) -> None:
@@ -103,19 +103,21 @@ class Scene:
         return self._scene.run(origins, directions, query="OCCLUDED") >= 0
 
 
-def picture(scene: Scene, camera: Camera, look: Look, width: int, height: int, lift: float) -> Floats:
+def render(
+    scene: LitMesh, camera: Viewpoint, lighting: Lighting, width: int, height: int, lift: float
+) -> Floats:
     """Linear light (height, width, 3) of a scene that fills the view; `lift` is above any rounding error."""
     hits = scene.hits(camera.eye, camera.directions(_grid(width, height) + 0.5, width, height))
     surface = scene.surface[hits.triangle].reshape(height, width)
     tile = _tile_index(width, height)
-    under = _below_all(hits.points, np.asarray(look.up, np.float32), lift)
+    under = _below_all(hits.points, np.asarray(lighting.up, np.float32), lift)
     start, normals = (hits.points + lift * hits.flat)[under], hits.flat[under]
     sky, key = np.ones(under.shape, np.float32), np.ones(under.shape, np.float32)
     sky[under] = _sky(scene, start, normals, tile[under])
-    key[under] = _key(scene, start, tile[under], look)
+    key[under] = _key(scene, start, tile[under], lighting)
     sky, key = (_smooth(share.reshape(height, width), surface) for share in (sky, key))
-    shade = _shade(scene, hits, sky.ravel(), key.ravel(), look).reshape(height, width, 3)
-    _resample_edges(shade, surface, sky, key, scene, camera, look)
+    shade = _shade(scene, hits, sky.ravel(), key.ravel(), lighting).reshape(height, width, 3)
+    _resample_edges(shade, surface, sky, key, scene, camera, lighting)
     return shade
 
 
@@ -125,14 +127,14 @@ def _below_all(points: Floats, up: Floats, lift: float) -> NDArray[np.bool_]:
     return height < height.max() - lift
 
 
-def _shade(scene: Scene, hits: Hits, sky: Floats, key: Floats, look: Look) -> Floats:
-    facing = np.clip(hits.smooth @ _unit(np.asarray(look.key_direction, np.float32)), 0.0, 1.0)
-    dome = 0.7 + 0.3 * (hits.smooth @ np.asarray(look.up, np.float32))  # a sky brighter overhead
-    ambient = look.sky_strength * dome * (look.bounce + (1 - look.bounce) * sky)
-    return scene.colours[hits.triangle] * (ambient + look.key_strength * facing * key)[:, None]
+def _shade(scene: LitMesh, hits: Hits, sky: Floats, key: Floats, lighting: Lighting) -> Floats:
+    facing = np.clip(hits.smooth @ _unit(np.asarray(lighting.key_direction, np.float32)), 0.0, 1.0)
+    dome = 0.7 + 0.3 * (hits.smooth @ np.asarray(lighting.up, np.float32))  # a sky brighter overhead
+    ambient = lighting.sky_strength * dome * (lighting.bounce + (1 - lighting.bounce) * sky)
+    return scene.colours[hits.triangle] * (ambient + lighting.key_strength * facing * key)[:, None]
 
 
-def _sky(scene: Scene, points: Floats, normals: Floats, tile: Ints) -> Floats:
+def _sky(scene: LitMesh, points: Floats, normals: Floats, tile: Ints) -> Floats:
     """Share of the sky that each point sees, weighted by the cosine: one estimate a pixel."""
     tangent, bitangent = _tangents(normals)
     seen = np.zeros(len(points), np.float32)
@@ -145,12 +147,12 @@ def _sky(scene: Scene, points: Floats, normals: Floats, tile: Ints) -> Floats:
     return seen / SKY_RAYS
 
 
-def _key(scene: Scene, points: Floats, tile: Ints, look: Look) -> Floats:
+def _key(scene: LitMesh, points: Floats, tile: Ints, lighting: Lighting) -> Floats:
     """Share of the key light that reaches each point: one estimate a pixel."""
-    towards = _unit(np.asarray([look.key_direction], np.float32))
+    towards = _unit(np.asarray([lighting.key_direction], np.float32))
     tangent, bitangent = _tangents(towards)
     samples = _low_discrepancy(TILE * TILE * KEY_RAYS)
-    radius, angle = look.key_spread * np.sqrt(samples[:, :1]), 2 * np.pi * samples[:, 1:]
+    radius, angle = lighting.key_spread * np.sqrt(samples[:, :1]), 2 * np.pi * samples[:, 1:]
     rays = towards + radius * (np.cos(angle) * tangent + np.sin(angle) * bitangent)
     lit = np.zeros(len(points), np.float32)
     for ray in range(KEY_RAYS):
@@ -159,7 +161,13 @@ def _key(scene: Scene, points: Floats, tile: Ints, look: Look) -> Floats:
 
 
 def _resample_edges(
-    shade: Floats, surface: Ints, sky: Floats, key: Floats, scene: Scene, camera: Camera, look: Look
+    shade: Floats,
+    surface: Ints,
+    sky: Floats,
+    key: Floats,
+    scene: LitMesh,
+    camera: Viewpoint,
+    lighting: Lighting,
 ) -> None:
     """Replace pixels beside a change of surface by the mean of finer samples, in place."""
     height, width = surface.shape
@@ -171,7 +179,7 @@ def _resample_edges(
             xy = np.stack([columns + dx, rows + dy], axis=1).astype(np.float32)
             hits = scene.hits(camera.eye, camera.directions(xy, width, height))
             at = _nearest_alike(surface, scene.surface[hits.triangle], rows, columns)
-            total += _shade(scene, hits, sky[at], key[at], look)
+            total += _shade(scene, hits, sky[at], key[at], lighting)
     shade[rows, columns] = total / EDGE_SAMPLES**2
 
 

@@ -17,11 +17,11 @@ import pytest
 
 from perfqr_cad.export import report
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.scan import DecoderResult, ScanReport, Sight
+from perfqr_cad.scan import DecoderResult, FilmedView, ScanReport
 from perfqr_cad.structure import Reinforcement
 from perfqr_cad.symbol import Matrix, encode
 
-from .conftest import Drawn
+from ..conftest import Drawn
 
 VOID = {"meta", "img", "br"}
 
@@ -84,7 +84,7 @@ def filmed(design):
         "zbar": DecoderResult("zbar", (0.0, 30.0), (1.0, 0.5), (1.0, 1.0)),
         "OpenCV": DecoderResult("OpenCV", (0.0, 30.0), (0.0, 0.0), (1.0, 1.0)),
     }
-    missed = Sight(grey, 30.0, 90.0, (), ("zbar", "OpenCV"))
+    missed = FilmedView(grey, 30.0, 90.0, (), ("zbar", "OpenCV"))
     return replace(
         design,
         scan=ScanReport("TEXT", results, {"black": 0.95}, first_missed=missed, advice=("thin the bridge",)),

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import segno
 
-from perfqr_cad.capture import read, reader
-from perfqr_cad.capture.reader import LEAST_AGREEMENT
+from perfqr_cad.capture import read, recognition
+from perfqr_cad.capture.recognition import LEAST_AGREEMENT
 from perfqr_cad.capture.seeds import Seed
 from perfqr_cad.errors import CaptureError, SymbolError
 from perfqr_cad.symbol import Matrix, encode, layout
@@ -24,7 +24,7 @@ def _matrix(sample: pictures.Sample, version: int, level: str = "m") -> np.ndarr
 
 @pytest.mark.parametrize("sampling", ["soft", "gaussian"])
 @pytest.mark.parametrize("version", [1, 2, 6, 7, 14, 25, 40])
-def test_versions(version: int, sampling: reader.Sampling) -> None:
+def test_versions(version: int, sampling: recognition.Sampling) -> None:
     sample = pictures.plain(version, version, scale=3)
     found = read(sample.picture, sampling=sampling)
     assert found.recovery.payload.data == sample.payload
@@ -140,10 +140,10 @@ def test_a_symbol_that_contradicts_the_picture_is_refused() -> None:
     symbol = encode("x", version=1, level="H")
     likely = np.where(symbol.matrix.dark, 5.0, -5.0)
     place = Seed("test", np.zeros((4, 2)), (21,), None, True)
-    assert reader._trusted(likely, place).payload.text == "x"
+    assert recognition._trusted(likely, place).payload.text == "x"
     noise = np.random.default_rng(2).normal(0, 1, likely.shape)
     with pytest.raises(SymbolError):
-        reader._trusted(noise, place)
+        recognition._trusted(noise, place)
     assert 0.5 < LEAST_AGREEMENT < 0.7
 
 
@@ -154,9 +154,9 @@ def test_an_erased_reading_must_agree_with_the_decoder() -> None:
     rows, columns = places.modules[:6].reshape(-1, 2).T
     likely[rows, columns] *= -0.01
     seed = Seed("other", np.zeros((4, 2)), (25,), b"trust me not", True)
-    assert any(reader._trusted(likely, seed).erasures)
+    assert any(recognition._trusted(likely, seed).erasures)
     with pytest.raises(SymbolError, match="otherwise than by other"):
-        reader._trusted(likely, replace(seed, payload=b"something else"))
+        recognition._trusted(likely, replace(seed, payload=b"something else"))
 
 
 def test_captures_are_closed_for_writing() -> None:

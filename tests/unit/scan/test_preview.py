@@ -26,8 +26,8 @@ def test_a_drawn_plate_looks_like_its_solid(pattern, draft, lip):
     placement = Plane(1.6)
     solid = build_solid(pattern, placement, Walls(draft_deg=draft, lip_mm=lip))
     filmed = scan.Scene(scan.place(solid.triangles, placement, edge_mm=pattern.size_mm)).photo(VIEW, CLEAN)
-    drawn = scan.drawn(pattern, 1.6, draft_deg=draft, lip_mm=lip).photo(VIEW, CLEAN)
-    upright = scan.drawn(pattern, 1.6).photo(VIEW, CLEAN)
+    drawn = scan.plate_scene(pattern, 1.6, draft_deg=draft, lip_mm=lip).photo(VIEW, CLEAN)
+    upright = scan.plate_scene(pattern, 1.6).photo(VIEW, CLEAN)
     off = np.abs(drawn.astype(float) - filmed).mean()
     assert off < (0.3 if draft == 0 else 1.0)
     if draft > 0:
@@ -50,7 +50,7 @@ def test_the_bar_of_the_traced_ring_looks_dark(pattern, draft):
     flush = build(pattern.symbol, PatternSpec(size_mm=40.0, finder="panel"))
 
     def ring(which: Pattern, tilt: float) -> float:
-        scene = scan.drawn(which, 1.6, draft_deg=draft, lip_mm=0.2)
+        scene = scan.plate_scene(which, 1.6, draft_deg=draft, lip_mm=0.2)
         return scan.legibility(scene, which.symbol.matrix, which.module_mm, tilt).ring
 
     for tilt in (10.0, 30.0):
@@ -59,7 +59,7 @@ def test_the_bar_of_the_traced_ring_looks_dark(pattern, draft):
 
 
 def test_a_recessed_bar_lies_behind_the_front(pattern):
-    sections = scan.drawn(pattern, 1.6).sections
+    sections = scan.plate_scene(pattern, 1.6).sections
     assert sections is not None
     front, back = sections.material[0], sections.material[-1]
     bars = sum(bar.width_mm * bar.height_mm for bar in pattern.recessed)
@@ -70,4 +70,4 @@ def test_a_recessed_bar_lies_behind_the_front(pattern):
 
 def test_a_lip_of_the_whole_thickness_cannot_flare(pattern):
     with pytest.raises(DesignError, match="shorten it"):
-        scan.drawn(pattern, 0.4, draft_deg=10.0, lip_mm=0.4)
+        scan.plate_scene(pattern, 0.4, draft_deg=10.0, lip_mm=0.4)

@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.capture.art import art_of, rectify
+from perfqr_cad.capture.capture import Capture, Sampling
 from perfqr_cad.capture.finders import triples
 from perfqr_cad.capture.grid import CORNERS, Floats, Grid, project
 from perfqr_cad.capture.image import Picture, load_image, luminance
-from perfqr_cad.capture.model import Capture, Sampling
 from perfqr_cad.capture.register import Workspace, correlation, register, workspace
 from perfqr_cad.capture.sampling import (
     global_threshold,
     levels,
-    sample,
+    sample_modules,
     soft_log_likelihood,
     vote_log_likelihood,
 )
@@ -193,7 +193,7 @@ def _shapes(space: Workspace, grid: Grid, fit: float, seed: Seed) -> Iterator[Gr
 
 def _recovered(shade: Picture, grid: Grid, seed: Seed, sampling: Sampling) -> _Found:
     """Sampled and corrected, as it is or as in a mirror."""
-    samples = sample(shade, grid)
+    samples = sample_modules(shade, grid)
     light, dark = levels(samples)
     if sampling == "soft":
         likely = soft_log_likelihood(samples, light, dark)

@@ -25,7 +25,7 @@ class Stack:
     material   K pictures (n, n) uint8, 255 = solid, row 0 at the top (largest y); where walls are upright,
                neighbours are one and the same array
     depth_mm   (K,) below the front face, increasing
-    edge_mm    edge of the square that the pictures cover, centred on the target
+    edge_mm    edge of the square that the pictures cover, centred on the code
     """
 
     material: tuple[NDArray[np.uint8], ...]
@@ -59,7 +59,7 @@ class Stack:
         return np.array([[step, 0, -first], [0, -step, first], [0, 0, 1.0]])
 
 
-def cut(vertices: Floats, faces: NDArray[np.integer], height: float) -> Floats:
+def section_outline(vertices: Floats, faces: NDArray[np.integer], height: float) -> Floats:
     """Directed segments (s, 2, 2) in which the plane z = `height` cuts the mesh, material on their left.
 
     vertices (k, 3), faces (m, 3) closed and oriented outward.
@@ -136,10 +136,12 @@ def _split(segments: Floats, axis: int) -> Floats:
     return np.stack([start[owner] + begin * step, start[owner] + finish * step], axis=1)
 
 
-def stack(vertices: Floats, faces: NDArray[np.integer], *, edge_mm: float, layers: int, pixels: int) -> Stack:
+def cut_stack(
+    vertices: Floats, faces: NDArray[np.integer], *, edge_mm: float, layers: int, pixels: int
+) -> Stack:
     """Sections of a plate between its lowest and highest z.
 
-    vertices (k, 3) mm in the target's frame: x right, y up, z towards the reader.
+    vertices (k, 3) mm in the code's frame: x right, y up, z towards the reader.
     """
     top, bottom = float(vertices[:, 2].max()), float(vertices[:, 2].min())
     inset = END_INSET * (top - bottom)
@@ -150,7 +152,7 @@ def stack(vertices: Floats, faces: NDArray[np.integer], *, edge_mm: float, layer
     for height in np.linspace(top - inset, bottom + inset, layers):
         slab = int(np.searchsorted(levels, height))
         if slab not in kept:
-            segments = cut(vertices, faces, float(height)) * [scale, -scale] + pixels / 2
+            segments = section_outline(vertices, faces, float(height)) * [scale, -scale] + pixels / 2
             picture = (255 * area(segments, (pixels, pixels)) + 0.5).astype(np.uint8)
             picture.setflags(write=False)
             material.append(picture)

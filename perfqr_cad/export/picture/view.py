@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.export.colour import exposed
 from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.picture.tone import exposed
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.units import linear_from_srgb
 
 if TYPE_CHECKING:
-    from perfqr_cad.export.raycast import Camera
+    from perfqr_cad.export.picture.raycast import Viewpoint
     from perfqr_cad.surface import Placement
 
 WIDTH_PX, HEIGHT_PX = 1040, 780
@@ -38,14 +38,14 @@ def write(design: DesignView, path: Path) -> None:
     """
     import cv2
 
-    image = picture(design, WIDTH_PX, HEIGHT_PX)
+    image = rendered(design, WIDTH_PX, HEIGHT_PX)
     _, data = cv2.imencode(".png", image[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 9])
     path.write_bytes(data.tobytes())
 
 
-def picture(design: DesignView, width: int, height: int) -> NDArray[np.uint8]:
+def rendered(design: DesignView, width: int, height: int) -> NDArray[np.uint8]:
     """The picture as sRGB (height, width, 3): a flat part lies on the ground, a curved one stands on it."""
-    from perfqr_cad.export.raycast import Look, Scene, picture
+    from perfqr_cad.export.picture.raycast import Lighting, LitMesh, render
 
     bodies = [design.solid, *design.solid.extras]
     if not len(design.solid.triangles.faces):
@@ -55,10 +55,10 @@ def picture(design: DesignView, width: int, height: int) -> NDArray[np.uint8]:
     ground = _ground(part.vertices, up=2 if lies else 1)
     counts = [*(len(body.triangles.faces) for body in bodies), len(ground.faces)]
     colours = np.repeat([*(body.colour for body in bodies), GROUND], counts, axis=0)
-    look = Look(UP_LYING, KEY_LYING) if lies else Look(UP_UPRIGHT, KEY_UPRIGHT)
+    lighting = Lighting(UP_LYING, KEY_LYING) if lies else Lighting(UP_UPRIGHT, KEY_UPRIGHT)
     camera = _camera(part.vertices, lies, width / height)
-    scene = Scene(part.joined(ground), linear_from_srgb(colours))
-    return exposed(_vignette(picture(scene, camera, look, width, height, LIFT * _size(part.vertices))))
+    scene = LitMesh(part.joined(ground), linear_from_srgb(colours))
+    return exposed(_vignette(render(scene, camera, lighting, width, height, LIFT * _size(part.vertices))))
 
 
 def _seen_by_reader(mesh: Triangles, placement: Placement) -> Triangles:
@@ -66,9 +66,9 @@ def _seen_by_reader(mesh: Triangles, placement: Placement) -> Triangles:
     return Triangles(mesh.vertices @ placement.reader_axes().T, mesh.faces)
 
 
-def _camera(points: NDArray[Any], lies: bool, aspect: float) -> Camera:
+def _camera(points: NDArray[Any], lies: bool, aspect: float) -> Viewpoint:
     """The view from the side that shows the holes, centred on the part and just far enough."""
-    from perfqr_cad.export.raycast import Camera
+    from perfqr_cad.export.picture.raycast import Viewpoint
 
     if lies:
         tilt, turn = np.radians([TILT_DEG, TURN_DEG])
@@ -78,8 +78,8 @@ def _camera(points: NDArray[Any], lies: bool, aspect: float) -> Camera:
         away = np.array([np.sin(turn) * np.cos(tilt), np.sin(tilt), np.cos(turn) * np.cos(tilt)])
     target, distance = (points.min(axis=0) + points.max(axis=0)) / 2, 3.0 * _size(points)
 
-    def camera() -> Camera:
-        return Camera(target + away * distance, target, np.array([0.0, 1.0, 0.0]), SPREAD)
+    def camera() -> Viewpoint:
+        return Viewpoint(target + away * distance, target, np.array([0.0, 1.0, 0.0]), SPREAD)
 
     for _ in range(FIT_STEPS):  # fixed point: centre what is seen, then step back until it fits
         right, above, forward = camera().axes()
