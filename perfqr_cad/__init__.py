@@ -21,6 +21,7 @@ from perfqr_cad.errors import (
 
 if TYPE_CHECKING:
     from perfqr_cad.capture import read
+    from perfqr_cad.catalog.settings import settings
     from perfqr_cad.frontends import PerforatedQR
     from perfqr_cad.pipeline.design import Design, Request, make
 
@@ -39,6 +40,7 @@ __all__ = [
     "TemplateError",
     "make",
     "read",
+    "settings",
 ]
 
 # Names that pull in numerical libraries are loaded on first use, so that importing the package is instant.
@@ -48,6 +50,7 @@ _LAZY = {
     "Request": "perfqr_cad.pipeline.design",
     "make": "perfqr_cad.pipeline.design",
     "read": "perfqr_cad.capture",
+    "settings": "perfqr_cad.catalog.settings",
 }
 
 

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pipeline import resolve as terms
-from perfqr_cad.pipeline.request import Request
+from perfqr_cad.pipeline.request import SETTINGS, Request
+from perfqr_cad.pipeline.setting import takes
 from perfqr_cad.pipeline.targets import Sheet as Sheet
 from perfqr_cad.pipeline.targets import Target, behind, dressed, plate
 from perfqr_cad.progress import tell
@@ -105,10 +106,11 @@ class Design:
         return replace(self, files=files, timings_s=timings)
 
 
+@takes(SETTINGS)
 def make(
     text: str | None = None, *, image: str | Path | None = None, target: Target | None = None, **settings: Any
 ) -> Design:
-    """Make a part from a text or a picture; `settings` are the fields of `Request`.
+    """Make a part from a text or a picture, with settings as listed below (the fields of `Request`).
 
     `target` is what the code is carved into; a flat plate of `thickness_mm` unless given.
 

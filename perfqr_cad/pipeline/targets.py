@@ -77,7 +77,7 @@ def dressed(target: Target, request: Request) -> Target:
     if isinstance(target, Sheet):
         caption, backing = terms.caption(request), terms.backing(request)
         return replace(target, caption=caption or target.caption, backing=backing or target.backing)
-    wishes = ("frame_mm", "corner_radius_mm", "holes_mm", "corner_hole_mm", "caption", "backing_mm")
+    wishes = ("frame_mm", "corner_radius_mm", "hole_mm", "caption", "backing_mm")
     if asked := [name for name in wishes if getattr(request, name)]:
         raise DesignError(
             f"{', '.join(asked)}: a code in a part of your own has the part around it: leave these out"
