@@ -135,7 +135,7 @@ def run(request: Request, target: Target | None = None) -> Design:
     terms.walls(request)  # bad walls, captions, colours and materials are refused before the long steps
     terms.caption(request)
     terms.look(request)
-    material = structure.material(request.material)
+    structure.material(request.material)
     with watch("symbol"):
         spec = terms.spec(request)
         capture, symbol = _source(request, spec)
@@ -153,28 +153,13 @@ def run(request: Request, target: Target | None = None) -> Design:
             placement = site.placement(drawn.extent_mm)
     walls = terms.walls(request, or_straight=left_open)
     with watch("structure"):
-        reinforced = structure.reinforce(
-            drawn,
-            placement,
-            material=material,
-            load=terms.loads(request),
-            support=request.support,
-            yield_mpa=request.yield_mpa,
-            method=request.method,  # pyright: ignore[reportArgumentType]  # reinforce refuses unknown names
-            nozzle_mm=request.nozzle_mm,
-            flare_mm=walls.flare_mm(walls.reach_mm(placement.thickness_mm)),
-        )
+        case = terms.case(request, walls.flare_mm(walls.reach_mm(placement.thickness_mm)))
+        method = request.method
+        reinforced = structure.reinforce(drawn, placement, case, method=method)  # pyright: ignore[reportArgumentType]
     verified = None
     if request.verify_solid:
         with watch("solid check"):
-            verified = structure.verify_solid(
-                reinforced.pattern,
-                placement,
-                material=material,
-                load=terms.loads(request),
-                support=request.support,
-                nozzle_mm=request.nozzle_mm,
-            )
+            verified = structure.verify_solid(reinforced.pattern, placement, case)
     with watch("solid"):
         solid = site.solid(reinforced.pattern, placement, walls)
         solid = replace(solid, colour=terms.part_colour(request))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from perfqr_cad.profile.colour import Colour
     from perfqr_cad.scan import Look, Plan
     from perfqr_cad.scan.camera.look import RGB
-    from perfqr_cad.structure.loads import Load
+    from perfqr_cad.structure import Case, Load
 
 # Walls of plates: they hide the least from aside, and printers still bear the overhang (docs/scan.md).
 DRAFT_DEG, LIP_MM = 15.0, 0.2
@@ -105,6 +105,20 @@ def loads(request: Request) -> tuple[Load, ...]:
     finger = (Finger(request.finger_n),) if request.finger_n else ()
     weight = (Weight(),) if request.own_weight else ()
     return (Pressure(request.pressure_mpa), *finger, *weight)
+
+
+def case(request: Request, flare_mm: float) -> Case:
+    """What the part is asked to bear, its holes wider at the back by a flare on each side."""
+    from perfqr_cad.structure import Case
+
+    return Case.of(
+        loads(request),
+        material=request.material,
+        support=request.support,
+        nozzle_mm=request.nozzle_mm,
+        flare_mm=flare_mm,
+        yield_mpa=request.yield_mpa,
+    )
 
 
 def plan(request: Request) -> Plan:

@@ -10,11 +10,12 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from perfqr_cad.structure import plate, shell
-from perfqr_cad.structure.candidates import STANDS_ON_WIDTHS, Candidates
-from perfqr_cad.structure.model import Model
-from perfqr_cad.structure.plate import Section
-from perfqr_cad.structure.t6 import Floats, Ints, Mesh, shapes
+from perfqr_cad.structure.elements import mindlin_plate as plate
+from perfqr_cad.structure.elements import mindlin_shell as shell
+from perfqr_cad.structure.elements.mindlin_plate import Section
+from perfqr_cad.structure.mesh.triangle import Floats, Ints, Mesh, shapes
+from perfqr_cad.structure.reinforcement.bar_candidates import STANDS_ON_WIDTHS, Candidates
+from perfqr_cad.structure.shell_model import Model
 
 END_POINTS = (-1 / 3, 0.0, 1 / 3)  # where an end is tied, in widths across it
 # Measured stress over nominal where bars meet walls, on 230 ends of three plates: half are below 1.3, the

@@ -1,7 +1,7 @@
 """The better choice of bridges: most stress removed per unit of decoding margin spent.
 
 One adjoint solve ranks every bar. The best few that do not stand in each other's way are then compared
-exactly, singly and together, and many are laid at once (see `relief`).
+exactly, singly and together, and many are added at once (see `relief`).
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.structure.bars import bar_tensors, couplings, places_under
-from perfqr_cad.structure.candidates import Allowance, Budget, Candidates
-from perfqr_cad.structure.lattice_bars import lattice_candidates
 from perfqr_cad.structure.measure import von_mises
-from perfqr_cad.structure.reanalysis import Reanalysis, Response, stress_operator
-from perfqr_cad.structure.relief import TENSOR, Shortlist, greedy, power_mean, power_mean_slope
-from perfqr_cad.structure.t6 import Floats, Ints
+from perfqr_cad.structure.mesh.triangle import Floats, Ints
+from perfqr_cad.structure.reinforcement.bar_candidates import Allowance, Budget, Candidates
+from perfqr_cad.structure.reinforcement.bar_stiffness import bar_tensors, couplings, places_under
+from perfqr_cad.structure.reinforcement.lattice_bars import lattice_candidates
+from perfqr_cad.structure.reinforcement.reanalysis import Reanalysis, Response, stress_operator
+from perfqr_cad.structure.reinforcement.relief import TENSOR, Shortlist, greedy, power_mean, power_mean_slope
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge, Pattern
@@ -30,12 +30,12 @@ WIDTHS_IN_WEBS = (1.0, 1.5)
 SHORT_LIST = 32  # bars compared exactly in a round
 RIVALS = 1  # of bars in each other's way, how many are compared
 PROBES = 8  # bars whose exact flexibility stands for all in the ranking
-PER_ROUND = 32  # bars laid in a round at most
+PER_ROUND = 32  # bars added in a round at most
 MOST_ROUNDS = 12  # between two conforming meshes
 ROUND_GAIN = 0.01  # of the stress: a round that takes less off is the last one
 WEAK_SLACK = 0.03  # above the least stress: where a part stays too weak, bars that gain less are not worth it
 AIM = 0.94  # of the limit: what a conforming mesh says of bars may be some per cent more
-LEAST_GAIN = 1e-3  # of the stress: what a bar must take off to be laid, and to stay
+LEAST_GAIN = 1e-3  # of the stress: what a bar must take off to be added, and to stay
 BASE_PRICE = 0.2  # margin that any bar costs: two small ones are no better than one that helps
 LENGTH_PRICE = 0.05  # margin that a module's length of bar costs even along module edges
 CENTRE_PRICE = 0.2  # margin that a fully lightened module centre costs besides its codeword
@@ -74,7 +74,7 @@ class OptimalChoice:
         self._refused: set[Key] = set()
         self.removed = 0
 
-    def lay(
+    def add_bridges(
         self, pattern: Pattern, analysis: Reanalysis, limit_mpa: float
     ) -> tuple[Pattern, list[Bridge], list[float]]:
         """Bridges until the re-analysed stress is within the limit: pattern, bridges, stress by round."""
@@ -86,9 +86,9 @@ class OptimalChoice:
         offer = _Offer(bars, couplings(analysis.model, bars), _price(bars, pattern.module_mm))
         is_open = np.array([key not in self._refused for key in _keys(bars)])
         host = _host_flexibility(analysis, offer)
-        laid: list[Ints] = []
+        added: list[Ints] = []
         stresses = [analysis.largest]
-        while stresses[-1] > aim and len(laid) < MOST_ROUNDS:
+        while stresses[-1] > aim and len(added) < MOST_ROUNDS:
             chosen, response = _round(analysis, offer, is_open, host, aim, gap)
             kept = np.array([budget.spend(bars.turned[row]) for row in chosen], np.bool_)
             is_open[chosen[~kept]] = False
@@ -102,20 +102,20 @@ class OptimalChoice:
             new = bars.take(chosen[kept])
             own = bar_tensors(analysis.model.section, analysis.model.wall_mm, new, offer.modes)
             analysis.add(response, own, places_under(analysis.model.mesh, new))
-            laid.append(chosen[kept])
+            added.append(chosen[kept])
             stresses.append(analysis.largest)
             if stresses[-1] > (1.0 - ROUND_GAIN) * stresses[-2]:
                 break
         rounds = worth(stresses, aim)
-        analysis.drop(offer.modes * sum(len(rows) for rows in laid[rounds:]))
-        rows = np.concatenate([np.zeros(0, np.int64), *laid[:rounds]])
+        analysis.drop(offer.modes * sum(len(rows) for rows in added[rounds:]))
+        rows = np.concatenate([np.zeros(0, np.int64), *added[:rounds]])
         useful = _useful(analysis, len(rows))
         self.removed += int((~useful).sum())
         bridged, fitting = self._fitted(pattern, [offer.bridge(row) for row in rows[useful].tolist()])
         return bridged, fitting, stresses[1 : rounds + 1]
 
     def avoid(self, bridges: Sequence[Bridge], place: tuple[float, float], reach_mm: float) -> None:
-        """Do not lay bridges again that end near a place they made worse; all of them if none is near."""
+        """Do not add bridges again that end near a place they made worse; all of them if none is near."""
         ends = np.array([[b.start, b.end] for b in bridges])
         near = np.linalg.norm(ends - np.array(place), axis=2).min(axis=1) < reach_mm
         for bridge, worse in zip(bridges, near if near.any() else ~near, strict=True):
@@ -151,9 +151,9 @@ def worth(stresses: Sequence[float], aim_mpa: float) -> int:
 def _round(
     analysis: Reanalysis, offer: _Offer, is_open: Flags, host: Floats, aim_mpa: float, gap_mm: float
 ) -> tuple[Ints, Response]:
-    """Rows of the bars worth laying together now, best first, and their response."""
-    hot, _ = analysis.hot_places
-    operator = stress_operator(analysis.model, analysis.discs, hot)
+    """Rows of the bars worth adding together now, best first, and their response."""
+    critical, _ = analysis.critical_places
+    operator = stress_operator(analysis.model, analysis.discs, critical)
     now = [(operator @ analysis.displacement).reshape(-1, TENSOR)]
     if analysis.modes:
         now.append(analysis.in_bars().reshape(-1, TENSOR))
@@ -165,7 +165,7 @@ def _round(
     relief = [analysis.between(sp.csc_matrix(operator.T), response)]
     if analysis.modes:
         relief.append(analysis.relief_in_bars(response))
-    under = np.repeat(bars.cover(analysis.model.mesh.nodes[hot]), len(now[0]) // len(hot), axis=0)
+    under = np.repeat(bars.cover(analysis.model.mesh.nodes[critical]), len(now[0]) // len(critical), axis=0)
     tensors = np.concatenate(now)
     exact = Shortlist(
         now=tensors,
@@ -220,12 +220,12 @@ def _host_flexibility(analysis: Reanalysis, offer: _Offer) -> Floats:
 
 
 def _useful(analysis: Reanalysis, count: int) -> Flags:
-    """Which of the laid bars still take stress off, one by one in the order in which they were laid."""
+    """Which of the added bars still take stress off, one by one in the order in which they were added."""
     useful = np.ones(count, np.bool_)
     if count < 2:
         return useful
-    hot, _ = analysis.hot_places
-    seen = analysis.subset(stress_operator(analysis.model, analysis.discs, hot))
+    critical, _ = analysis.critical_places
+    seen = analysis.subset(stress_operator(analysis.model, analysis.discs, critical))
     modes = analysis.modes // count
 
     def stress(bars: Flags) -> float:

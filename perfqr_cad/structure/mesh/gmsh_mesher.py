@@ -18,8 +18,8 @@ import shapely
 from shapely.geometry import Polygon
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.structure.seeding import Grain, seed
-from perfqr_cad.structure.t6 import Floats, Ints, Mesh, quadratic, twice_areas
+from perfqr_cad.structure.mesh.seeding import MeshSize, seed
+from perfqr_cad.structure.mesh.triangle import Floats, Ints, Mesh, quadratic, twice_areas
 
 _LOCK = threading.Lock()
 _DELAUNAY = 5  # gmsh Mesh.Algorithm: the fastest sound one here
@@ -72,7 +72,7 @@ def triangulate(polygon: Polygon, size_mm: float, corner_mm: float | None = None
     for ring in shapely.get_rings(shapely.orient_polygons(polygon)):
         points = shapely.get_coordinates(ring)[:-1]
         loops.append(
-            seed(points, np.zeros(len(points), bool), Grain(size_mm, corner_mm or size_mm, 0.0, 0.0))
+            seed(points, np.zeros(len(points), bool), MeshSize(size_mm, corner_mm or size_mm, 0.0, 0.0))
         )
     return quadratic(*triangulate_all([Face(tuple(loops))], size_mm)[0])
 

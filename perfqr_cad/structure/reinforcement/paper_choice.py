@@ -11,14 +11,15 @@ import shapely
 from scipy.sparse.csgraph import dijkstra
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.structure.bars import bar_tensors, couplings, places_under
-from perfqr_cad.structure.candidates import Allowance, Candidates, affordable, holes_of
-from perfqr_cad.structure.reanalysis import Reanalysis
-from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
+from perfqr_cad.structure.mesh.triangle import EDGES, Floats, Ints, Mesh
+from perfqr_cad.structure.reinforcement.bar_candidates import Allowance, Candidates, affordable, holes_of
+from perfqr_cad.structure.reinforcement.bar_stiffness import bar_tensors, couplings, places_under
+from perfqr_cad.structure.reinforcement.reanalysis import Reanalysis
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge, Pattern
 
+LOSS_WEIGHT = 1.0  # λ of Eq. (5)
 MOST_BRIDGES = 40  # between two conforming meshes
 MOST_STARTS = (
     12  # most deformed places that are tried; one beside a finder or alignment ring may see no bridge
@@ -28,15 +29,14 @@ ON_WALL_MM = 0.03  # the model's outline strays by 1/20 nozzle; a sight line may
 
 
 class PaperChoice:
-    """Chooses one bridge at a time by Eq. (5) with weight λ = `loss_weight`."""
+    """Chooses one bridge at a time by Eq. (5)."""
 
     removed = 0  # the paper keeps every bridge
 
-    def __init__(self, allowance: Allowance, loss_weight: float) -> None:
+    def __init__(self, allowance: Allowance) -> None:
         self._allowance = allowance
-        self._loss_weight = loss_weight
 
-    def lay(
+    def add_bridges(
         self, pattern: Pattern, analysis: Reanalysis, limit_mpa: float
     ) -> tuple[Pattern, list[Bridge], list[float]]:
         """Bridges until the re-analysed stress is within the limit: pattern, bridges, stress after each."""
@@ -53,18 +53,18 @@ class PaperChoice:
             analysis.add(analysis.respond(coupling), own, places_under(analysis.model.mesh, bar))
             bridges.append(bridge)
             # Bars are judged by the next mesh.
-            stresses.append(float(analysis.hot_places[1].max(initial=0.0)))
+            stresses.append(float(analysis.critical_places[1].max(initial=0.0)))
             if stresses[-1] <= limit_mpa:
                 break
         return pattern, bridges, stresses
 
     def avoid(self, bridges: Sequence[Bridge], place: tuple[float, float], reach_mm: float) -> None:
-        """The paper keeps what it has laid."""
+        """The paper keeps what it has added."""
 
     def _cheapest(
         self, pattern: Pattern, analysis: Reanalysis, graph: sp.csr_matrix
     ) -> tuple[Pattern, Bridge, Candidates] | None:
-        """The cheapest bridge that can be laid from the most deformed contour point that has one."""
+        """The cheapest bridge that can be added from the most deformed contour point that has one."""
         mesh = analysis.model.mesh
         moved = np.linalg.norm(analysis.model.translations(analysis.displacement), axis=1)
         contour = np.unique(mesh.boundary)
@@ -77,7 +77,7 @@ class PaperChoice:
     def _cheapest_from(
         self, pattern: Pattern, analysis: Reanalysis, graph: sp.csr_matrix, contour: Ints, start: int
     ) -> tuple[Pattern, Bridge, Candidates] | None:
-        """The cheapest bridge that can be laid from a contour point."""
+        """The cheapest bridge that can be added from a contour point."""
         mesh = analysis.model.mesh
         ends = _visible(pattern, mesh, contour, start)
         if not len(ends):
@@ -91,7 +91,7 @@ class PaperChoice:
         nearest = {tuple(xy): node for xy, node in zip(mesh.nodes[ends].tolist(), ends.tolist(), strict=True)}
         around = geodesic[[nearest[tuple(q)] for q in bars.end.tolist()]]
         loss = pattern.readability.total + bars.loss
-        cost = self._loss_weight * loss + bars.length_mm**2 / around
+        cost = LOSS_WEIGHT * loss + bars.length_mm**2 / around
         for row in np.argsort(cost, kind="stable").tolist()[:MOST_REFUSED]:
             bridge = bars.bridge(row, float(cost[row]))
             try:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from perfqr_cad.structure.field import StressField
+from perfqr_cad.structure.stress_field import StressField
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge

@@ -12,17 +12,17 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry import LinearRing, LineString, Polygon
 
-from perfqr_cad.structure.gmsher import Face, triangulate_all
-from perfqr_cad.structure.seeding import Grain, seed
-from perfqr_cad.structure.t6 import Floats, Ints, Mesh, with_middles
-from perfqr_cad.structure.tiling import Content, Tiling
+from perfqr_cad.structure.mesh.gmsh_mesher import Face, triangulate_all
+from perfqr_cad.structure.mesh.seeding import MeshSize, seed
+from perfqr_cad.structure.mesh.tiling import TileContent, Tiling
+from perfqr_cad.structure.mesh.triangle import Floats, Ints, Mesh, with_middles
 
 Flags = NDArray[np.bool_]
 Side = frozenset[tuple[float, ...]]
 
 
 @dataclass(frozen=True)
-class Patch:
+class TileMesh:
     """The mesh of a tile about its centre: `nodes` (n, 2) in mm, corner nodes first, `corners` of them, and
     six-node `elements` (m, 6) with the `classes` (m,) of their material.
 
@@ -42,26 +42,26 @@ class Patch:
         return Mesh(self.nodes, self.elements, self.corners)
 
 
-class Patches:
-    """Patches by content, made when first asked for. Mutable: it grows, and may serve many analyses."""
+class TileMeshes:
+    """TileMeshes by content, made when first asked for. Mutable: it grows, and may serve many analyses."""
 
-    def __init__(self, grain: Grain) -> None:
-        self.grain = grain
-        self._known: dict[tuple[int, int, bytes], Patch] = {}
+    def __init__(self, mesh_size: MeshSize) -> None:
+        self.mesh_size = mesh_size
+        self._known: dict[tuple[int, int, bytes], TileMesh] = {}
 
-    def of(self, tiling: Tiling) -> list[Patch]:
-        """The patch of each content. New ones are meshed in one go."""
+    def of(self, tiling: Tiling) -> list[TileMesh]:
+        """The tile_mesh of each content. New ones are meshed in one go."""
         keys = [(tiling.lattice.half, tiling.low, content.key) for content in tiling.contents]
         new = [k for k, key in enumerate(keys) if key not in self._known]
-        faces = [_faces(tiling.contents[k], tiling, self.grain) for k in new]
-        meshes = iter(triangulate_all([face for tile in faces for face, _ in tile], self.grain.size_mm))
+        faces = [_faces(tiling.contents[k], tiling, self.mesh_size) for k in new]
+        meshes = iter(triangulate_all([face for tile in faces for face, _ in tile], self.mesh_size.edge_mm))
         for k, tile in zip(new, faces, strict=True):
             parts = [(*next(meshes), index) for _, index in tile]
-            self._known[keys[k]] = _patch(parts, tiling)
+            self._known[keys[k]] = _tile_mesh(parts, tiling)
         return [self._known[key] for key in keys]
 
 
-def _faces(content: Content, tiling: Tiling, grain: Grain) -> list[tuple[Face, int]]:
+def _faces(content: TileContent, tiling: Tiling, mesh_size: MeshSize) -> list[tuple[Face, int]]:
     """The pieces of a tile, outlines thinned and seeded with nodes, in mm, each with its class."""
     unit, low, high = tiling.lattice.unit_mm, tiling.low, tiling.low + 2 * tiling.lattice.half
     pieces = [
@@ -70,7 +70,7 @@ def _faces(content: Content, tiling: Tiling, grain: Grain) -> list[tuple[Face, i
         for piece in _pieces(content.edges[content.classes == index], content.corners[index], low, high)
     ]
     shared = _shared([piece for piece, _ in pieces])
-    tolerance = grain.tolerance_mm / unit
+    tolerance = mesh_size.tolerance_mm / unit
     thick = [(piece, index) for piece, index in pieces if 2 * piece.area / piece.length >= tolerance]
     rings = [
         [_thinned(ring, shared, low, high, tolerance) for ring in shapely.get_rings(p)] for p, _ in thick
@@ -82,7 +82,7 @@ def _faces(content: Content, tiling: Tiling, grain: Grain) -> list[tuple[Face, i
             np.array([sides[side] > 1 or _on_border(side, low, high) for side in _sides(p)]) for p in loops
         ]
         nodes = [
-            unit * seed(points, pinned, grain.scaled(1.0 / unit))
+            unit * seed(points, pinned, mesh_size.scaled(1.0 / unit))
             for points, pinned in zip(loops, flags, strict=True)
         ]
         faces.append((Face(tuple(nodes)), index))
@@ -166,8 +166,8 @@ def _thinned(
     )
 
 
-def _patch(parts: list[tuple[Floats, Ints, int]], tiling: Tiling) -> Patch:
-    """The meshes (vertices in mm, triangles, class) of a tile's pieces as one, sewn where they touch."""
+def _tile_mesh(parts: list[tuple[Floats, Ints, int]], tiling: Tiling) -> TileMesh:
+    """The meshes (vertices in mm, triangles, class) of a tile's pieces as one, joined where they touch."""
     unit = tiling.lattice.unit_mm
     vertices = np.concatenate([part[0] for part in parts] or [np.zeros((0, 2))])
     starts = np.cumsum([0, *(len(part[0]) for part in parts)])
@@ -182,7 +182,7 @@ def _patch(parts: list[tuple[Floats, Ints, int]], tiling: Tiling) -> Patch:
     vertices = vertices[first]
     halves = np.concatenate([2 * units, units[ends[:, 0]] + units[ends[:, 1]]])
     border = np.array([tiling.low, tiling.low + 2 * tiling.lattice.half]) * 2
-    return Patch(
+    return TileMesh(
         nodes=np.vstack([vertices, 0.5 * (vertices[ends[:, 0]] + vertices[ends[:, 1]])]),
         elements=elements,
         classes=classes.astype(np.int64),

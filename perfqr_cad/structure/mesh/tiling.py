@@ -19,7 +19,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 
-from perfqr_cad.structure.t6 import Floats, Ints
+from perfqr_cad.structure.mesh.triangle import Floats, Ints
 
 UNIT_MM = 5e-5  # about: far below any printer, far above the rounding of a double at 1 m
 SHIFTS = (0.0, 0.25, -0.25, 0.125, -0.125, 0.375, -0.375)  # of half a tile: where cuts may run instead
@@ -45,7 +45,7 @@ class Lattice:
 
 
 @dataclass(frozen=True)
-class Content:
+class TileContent:
     """What a tile holds, in units from its centre.
 
     `edges` (k, 4) are directed pieces x0 y0 x1 y1 of outline with material on their left, `classes` (k,) the
@@ -74,7 +74,7 @@ class Tiling:
     low: int
     places: Ints
     content_of: Ints
-    contents: tuple[Content, ...]
+    contents: tuple[TileContent, ...]
 
     @property
     def centres(self) -> Ints:
@@ -109,10 +109,10 @@ def cut(regions: Sequence[Polygon | MultiPolygon], lattice: Lattice) -> Tiling:
     row, column = np.divmod(tiles, shape[1])
     inside = corners[:, row, column].transpose(1, 0, 2)
     index: dict[bytes, int] = {}
-    contents: list[Content] = []
+    contents: list[TileContent] = []
     content_of = np.empty(len(tiles), np.int64)
     for k, (start, end) in enumerate(pairwise(bounds)):
-        content = Content(edges[start:end], classes[start:end], inside[k])
+        content = TileContent(edges[start:end], classes[start:end], inside[k])
         content_of[k] = index.setdefault(content.key, len(contents))
         if content_of[k] == len(contents):
             contents.append(content)

@@ -10,8 +10,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from perfqr_cad.structure.solvers import Factor, factorise
-from perfqr_cad.structure.t6 import Floats, Ints
+from perfqr_cad.structure.elements.solvers import Factor, factorise
+from perfqr_cad.structure.mesh.triangle import Floats, Ints
 
 Flags = NDArray[np.bool_]
 Group = tuple[Ints, Floats]  # elements (m, k) by node numbers, and their matrices (m, k·d, k·d)

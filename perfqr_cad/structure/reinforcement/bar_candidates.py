@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.structure.t6 import Floats, Ints
+from perfqr_cad.structure.mesh.triangle import Floats, Ints
 from perfqr_cad.symbol import Readability, ReadabilityTracker, layout
 from perfqr_cad.symbol.layout import Role
 
@@ -96,7 +96,7 @@ def holes_of(polygon: Polygon) -> NDArray[np.object_]:
 
 @dataclass(frozen=True)
 class Allowance:
-    """How many codewords may be wrong in each block, and how many format regions, once bridges are laid."""
+    """How many codewords may be wrong in each block, and how many format regions, once bridges are added."""
 
     errors: tuple[int, ...]
     format_regions: int

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from perfqr_cad.structure.candidates import Allowance, Candidates, affordable, holes_of
-from perfqr_cad.structure.t6 import Floats
+from perfqr_cad.structure.mesh.triangle import Floats
+from perfqr_cad.structure.reinforcement.bar_candidates import Allowance, Candidates, affordable, holes_of
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern

@@ -9,17 +9,19 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.structure import plate, shell
-from perfqr_cad.structure.assembly import Flags, Structure, System
-from perfqr_cad.structure.condensing import Quilted
-from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Load, Loads, Pressure, Support, Weight
-from perfqr_cad.structure.materials import Material
+from perfqr_cad.structure.case import Case
+from perfqr_cad.structure.elements import mindlin_plate as plate
+from perfqr_cad.structure.elements import mindlin_shell as shell
+from perfqr_cad.structure.elements.assembly import Flags, Structure, System
+from perfqr_cad.structure.elements.condensing import TiledStructure
+from perfqr_cad.structure.elements.mindlin_plate import Section
+from perfqr_cad.structure.elements.solvers import Factor
+from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Load, Pressure, Support, Weight
+from perfqr_cad.structure.material_table import Material
 from perfqr_cad.structure.measure import von_mises
-from perfqr_cad.structure.plate import Section
-from perfqr_cad.structure.quilt import Quilt
-from perfqr_cad.structure.solvers import Factor
+from perfqr_cad.structure.mesh.tiled_mesh import TiledMesh
+from perfqr_cad.structure.mesh.triangle import SIX_POINTS, SIX_WEIGHTS, Floats, Ints, Mesh
 from perfqr_cad.structure.supports import held_nodes
-from perfqr_cad.structure.t6 import SIX_POINTS, SIX_WEIGHTS, Floats, Ints, Mesh
 from perfqr_cad.surface import Placement
 
 KAPPA = 1.0  # shear correction: see docs/strength.md; 5/6 misses the solid by 3-7 % on perforated plates
@@ -48,7 +50,7 @@ class Model:
     frames: Floats
     flat: bool
     system: Structure
-    mesh_size_mm: float
+    edge_mm: float
 
     @property
     def fixed(self) -> Flags:
@@ -108,12 +110,11 @@ def unknowns(mesh: Mesh, flat: bool) -> int:
 
 
 def build_model(
-    quilt: Quilt,
+    tiled: TiledMesh,
     domain: Polygon,
     placement: Placement,
-    material: Material,
-    support: Support,
-    mesh_size_mm: float,
+    case: Case,
+    edge_mm: float,
     flat: bool,
     thicknesses_mm: tuple[float, ...] = (),
 ) -> Model:
@@ -121,36 +122,35 @@ def build_model(
 
     `thicknesses_mm` are those of the classes of material, () for the wall's alone.
     """
-    mesh, wall = quilt.mesh, placement.thickness_mm
+    mesh, wall = tiled.mesh, placement.thickness_mm
     of_class = np.array(thicknesses_mm or (wall,))
-    section = Section(of_class[quilt.classes], material.e_mpa, material.nu, KAPPA)
+    section = Section(of_class[tiled.classes], case.material.e_mpa, case.material.nu, KAPPA)
     positions = placement.at_depth(mesh.nodes, 0.5 * wall)
     frames = placement.frame(mesh.nodes)
     dofs = plate.DOFS if flat else shell.DOFS
-    fixed = np.repeat(held_nodes(mesh, domain, support)[:, None], dofs, axis=1)
-    if support.hold.pinned:
+    fixed = np.repeat(held_nodes(mesh, domain, case.support)[:, None], dofs, axis=1)
+    if case.support.hold.pinned:
         fixed[:, plate.BX if flat else shell.ROTATIONS.start :] = False
     system: Structure
     if flat:
         matrices = tuple(
-            plate.stiffness(patch.mesh, replace(section, thickness_mm=of_class[patch.classes]))
-            for patch in (block.patch for block in quilt.blocks)
+            plate.stiffness(tile_mesh.mesh, replace(section, thickness_mm=of_class[tile_mesh.classes]))
+            for tile_mesh in (block.tile_mesh for block in tiled.blocks)
         )
-        system = Quilted(quilt.blocks, matrices, dofs, fixed.ravel())
+        system = TiledStructure(tiled.blocks, matrices, dofs, fixed.ravel())
     else:
         matrices = shell.stiffness(positions, frames, mesh.elements, section)
         system = System(mesh.elements, dofs, matrices, fixed.ravel())
     return Model(
-        mesh, domain, wall, section, material, support, positions, frames, flat, system, mesh_size_mm
+        mesh, domain, wall, section, case.material, case.support, positions, frames, flat, system, edge_mm
     )
 
 
-def forces_of(model: Model, load: Load | Loads, factor: Factor) -> Floats:
-    """Nodal forces (n·d,) of a load, or of several that act together.
+def forces_of(model: Model, loads: tuple[Load, ...], factor: Factor) -> Floats:
+    """Nodal forces (n·d,) of loads that act together.
 
     The factor is used to find the worst place for a finger, given all other loads.
     """
-    loads = load if isinstance(load, tuple) else (load,)
     roaming = [load for load in loads if isinstance(load, Finger) and load.at_mm is None]
     forces = np.zeros(len(model.fixed))
     for one in loads:

@@ -1,6 +1,6 @@
-"""Bars of a short list against each other: what any of them, laid with some others, does to the stress.
+"""Bars of a short list against each other: what any of them, added with some others, does to the stress.
 
-All of it follows from small matrices. Laying a bar is one step of elimination (Woodbury's identity taken bar
+All of it follows from small matrices. Adding a bar is one step of elimination (Woodbury's identity taken bar
 by bar), after which what is left says what each of the others would still do.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.structure.measure import von_mises
-from perfqr_cad.structure.t6 import Floats
+from perfqr_cad.structure.mesh.triangle import Floats
 
 TENSOR = 5  # components of a stress tensor here
 NORM = 12  # exponent of the mean that stands for the largest stress
@@ -24,10 +24,12 @@ Flags = NDArray[np.bool_]
 class Shortlist:
     """Bars k of d modes each.
 
-    `now` (r, 5) tensors at hot places, `relief` (r·5, k, d) what a unit force of each mode takes off them,
-    `flexibility` (k, d, k, d) and `strain` (k, d) of the part under the modes, `own` (k, e, 5, d) tensors in
-    the bar itself, `under` (r, k) which places a bar covers, `clash` (k, k) which bars stand in each other's
-    way.
+    now          (r, 5) tensors at critical places
+    relief       (r·5, k, d) what a unit force of each mode takes off them
+    flexibility  (k, d, k, d), and strain (k, d): of the part under the modes
+    own          (k, e, 5, d) tensors in the bar itself
+    under        (r, k) which places a bar covers
+    clash        (k, k) which bars are in each other's way
     """
 
     now: Floats
@@ -39,7 +41,7 @@ class Shortlist:
     clash: Flags
 
     def with_each(self) -> Floats:
-        """Von Mises' stress (k, r + e) at the places and in the bar, with one bar laid, for each of them."""
+        """Von Mises' stress (k, r + e) at the places and in the bar, with one bar added, for each of them."""
         forces = self._forces()
         rows, bars, modes = self.relief.shape
         changed = self.relief.reshape(rows, bars * modes) * forces.ravel()
@@ -48,8 +50,8 @@ class Shortlist:
         bar = von_mises(np.einsum("keam,km->kea", self.own, forces))
         return np.concatenate([stress, bar], axis=1)
 
-    def lay(self, k: int) -> Shortlist:
-        """The list with bar k laid for good: its own stress joins the places."""
+    def with_added(self, k: int) -> Shortlist:
+        """The list with bar k added for good: its own stress joins the places."""
         modes = self.strain.shape[1]
         inverse = np.linalg.inv(np.eye(modes) + self.flexibility[k, :, k, :])
         force = inverse @ self.strain[k]
@@ -73,7 +75,7 @@ class Shortlist:
         )
 
     def _forces(self) -> Floats:
-        """Mode forces (k, d) of each bar if it is laid."""
+        """Mode forces (k, d) of each bar if it is added."""
         bars, modes = self.strain.shape
         each = np.arange(bars)
         stiff = np.eye(modes) + self.flexibility[each, :, each, :]
@@ -82,7 +84,7 @@ class Shortlist:
 
 
 def greedy(bars: Shortlist, price: Floats, aim_mpa: float, least_gain: float, most: int) -> list[int]:
-    """Which bars of a list to lay, best first: each takes most stress off per price, given those before.
+    """Which bars of a list to add, best first: each takes most stress off per price, given those before.
 
     Ends at `most` bars, where the largest stress is within the aim, or where none takes a share `least_gain`
     off.
@@ -100,7 +102,7 @@ def greedy(bars: Shortlist, price: Floats, aim_mpa: float, least_gain: float, mo
         chosen.append(best)
         open_bars &= ~bars.clash[best]
         today = float(after[best])
-        bars = bars.lay(best)
+        bars = bars.with_added(best)
         if stresses[best].max() <= aim_mpa:
             break
     return chosen

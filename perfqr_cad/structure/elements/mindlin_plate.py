@@ -16,7 +16,7 @@ from itertools import product
 
 import numpy as np
 
-from perfqr_cad.structure.t6 import (
+from perfqr_cad.structure.mesh.triangle import (
     FROM_GAUSS_TO_CORNERS,
     THREE_POINTS,
     THREE_WEIGHTS,

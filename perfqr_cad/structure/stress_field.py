@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from perfqr_cad.structure.measure import Discs
-from perfqr_cad.structure.t6 import EDGES, Floats, Ints, Mesh
+from perfqr_cad.structure.mesh.triangle import EDGES, Floats, Ints, Mesh
 from perfqr_cad.structure.taper import STRAIGHT, Taper
 
 
@@ -40,14 +40,13 @@ class StressField:
     max_deflection_mm: float
     max_deflection_at_mm: tuple[float, float]
     yield_mpa: float
-    mass_g: float
     load_n: tuple[float, float, float]
     reactions_n: tuple[float, float, float]
     balance: float
     material: str
     support: str
     thickness_mm: float
-    mesh_size_mm: float
+    edge_mm: float
     unknowns: int
     solver: str
     taper: Taper = STRAIGHT

@@ -1,9 +1,9 @@
 """Algorithm 1 of the paper, as it stands (`paper`) and as it should be (`optimal`).
 
-Both lay bridges on one factorisation and confirm them on a conforming mesh; what is still too weak goes round
+Both try bridges on one factorisation and confirm them on a conforming mesh; what is still too weak goes round
 again. `paper` ties the point of largest deformation to the visible point of least cost by Eq. (5). `optimal`
 asks which bar lowers the stress most per unit of decoding margin: adjoint sensitivities of all bars are one
-solve, the best of them are compared exactly, several are laid at once, and those that do not help are taken
+solve, the best of them are compared exactly, several are added at once, and those that do not help are taken
 out again.
 """
 
@@ -15,27 +15,21 @@ from typing import TYPE_CHECKING, Literal
 from shapely.geometry import Point
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.structure.analysis import (
-    DEFAULT_NOZZLE_MM,
-    MESH_SIZE_MODULES,
-    analyse,
-    bends_only,
-    grain_of,
-    lattice_of,
-    prepare,
-)
-from perfqr_cad.structure.candidates import Allowance
-from perfqr_cad.structure.domain import ThinPart, thin_parts
-from perfqr_cad.structure.field import StressField
-from perfqr_cad.structure.loads import Load, Loads, Support
-from perfqr_cad.structure.materials import MATERIALS, Material
-from perfqr_cad.structure.materials import material as material_named
-from perfqr_cad.structure.model import forces_of
-from perfqr_cad.structure.optimal import ROUND_GAIN, OptimalChoice, worth
-from perfqr_cad.structure.paper import PaperChoice
-from perfqr_cad.structure.patches import Patches
-from perfqr_cad.structure.reanalysis import Reanalysis
-from perfqr_cad.structure.reinforcement import STRONG, Reinforcement
+from perfqr_cad.structure.analysis import EDGE_MODULES, analyse, prepare
+from perfqr_cad.structure.case import Case
+from perfqr_cad.structure.material_table import MATERIALS
+from perfqr_cad.structure.material_table import material as material_named
+from perfqr_cad.structure.mesh.light_region import ThinPart, thin_parts
+from perfqr_cad.structure.mesh.seeding import MeshSize
+from perfqr_cad.structure.mesh.tile_meshes import TileMeshes
+from perfqr_cad.structure.part import Part
+from perfqr_cad.structure.reinforcement.bar_candidates import Allowance
+from perfqr_cad.structure.reinforcement.optimal_choice import ROUND_GAIN, OptimalChoice, worth
+from perfqr_cad.structure.reinforcement.paper_choice import PaperChoice
+from perfqr_cad.structure.reinforcement.reanalysis import Reanalysis
+from perfqr_cad.structure.reinforcement.reinforced import STRONG, Reinforcement
+from perfqr_cad.structure.shell_model import forces_of
+from perfqr_cad.structure.stress_field import StressField
 from perfqr_cad.surface import Placement
 
 if TYPE_CHECKING:
@@ -43,95 +37,52 @@ if TYPE_CHECKING:
 
 Method = Literal["optimal", "paper"]
 WEAK = "weak: no affordable bridge is left"
-LOOP_MESH_MODULES = 1.0  # element edges of the model that bridges are tried on
+LOOP_EDGE_MODULES = 1.0  # element edges of the model that bridges are tried on
 MOST_FRUITLESS = 2  # conforming meshes in a row that are no better than one before
 
 
 @dataclass(frozen=True)
 class _Job:
-    """What stays the same while bridges are laid."""
+    """What stays the same while bridges are added."""
 
     placement: Placement
-    material: Material
-    load: Load | Loads
-    support: Support | str
-    yield_mpa: float
-    nozzle_mm: float
-    mesh_size_mm: float | None
-    flare_mm: float
-    solver: str | None
-    patches: Patches
+    case: Case
+    edge_mm: float | None
+    tile_meshes: TileMeshes
 
     def check(self, pattern: Pattern) -> StressField:
         """The stress field on a conforming mesh."""
-        return analyse(
-            pattern,
-            self.placement,
-            material=self.material,
-            load=self.load,
-            support=self.support,
-            yield_mpa=self.yield_mpa,
-            nozzle_mm=self.nozzle_mm,
-            mesh_size_mm=self.mesh_size_mm,
-            flare_mm=self.flare_mm,
-            solver=self.solver,
-            patches=self.patches,
-        )
+        return analyse(pattern, self.placement, self.case, self.edge_mm, self.tile_meshes)
 
     def reanalysis(self, pattern: Pattern) -> Reanalysis:
         """A coarse model of the pattern to try bridges on."""
-        size = LOOP_MESH_MODULES * pattern.module_mm
-        model = prepare(
-            pattern.polygon,
-            self.placement,
-            self.material,
-            self.support,
-            nozzle_mm=self.nozzle_mm,
-            mesh_size_mm=size,
-            corner_size_mm=size,
-            layer_size_mm=0.0,
-            thin=thin_parts(pattern, self.placement.thickness_mm),
-            lattice=lattice_of(pattern),
-            bends=bends_only(self.load),
-        )
-        factor = model.factorise(self.solver)
-        return Reanalysis(model, factor, forces_of(model, self.load, factor), self.nozzle_mm)
+        size = MeshSize.even(LOOP_EDGE_MODULES * pattern.module_mm, self.case.nozzle_mm)
+        model = prepare(Part.of(pattern, self.placement), self.case, size)
+        factor = model.factorise(self.case.solver)
+        return Reanalysis(model, factor, forces_of(model, self.case.loads, factor), self.case.nozzle_mm)
 
 
 def reinforce(
     pattern: Pattern,
     placement: Placement,
+    case: Case,
     *,
-    material: Material | str = "PLA",
-    load: Load | Loads,
-    support: Support | str = "clamped",
-    yield_mpa: float | None = None,
     method: Method = "optimal",
-    nozzle_mm: float = DEFAULT_NOZZLE_MM,
-    mesh_size_mm: float | None = None,
-    flare_mm: float = 0.0,
-    loss_weight: float = 1.0,
-    solver: str | None = None,
+    edge_mm: float | None = None,
 ) -> Reinforcement:
-    """Bridges until the largest stress is within `yield_mpa` (χ; None takes the material's yield stress).
+    """Bridges until the largest stress is within the limit of the case (χ of Algorithm 1).
 
-    `flare_mm` is as in `analyse`, `loss_weight` is λ of Eq. (5). "No affordable bridge is left" is a status,
-    not an error.
+    `edge_mm` is as in `analyse`. "No affordable bridge is left" is a status, not an error.
 
     Raises:
-        AnalysisError: the pattern cannot be analysed, or a setting is unknown or out of range.
+        AnalysisError: the pattern cannot be analysed, or the method is unknown.
     """
     if method not in ("optimal", "paper"):
         raise AnalysisError(f"method {method!r} is unknown; choose optimal or paper")
-    stuff = material_named(material) if isinstance(material, str) else material
-    limit = stuff.yield_mpa if yield_mpa is None else yield_mpa
-    if not limit > 0.0:
-        raise AnalysisError(f"yield stress is {limit} MPa; it must be a positive number")
-    patches = Patches(grain_of(mesh_size_mm or MESH_SIZE_MODULES * pattern.module_mm, nozzle_mm))
-    job = _Job(placement, stuff, load, support, limit, nozzle_mm, mesh_size_mm, flare_mm, solver, patches)
+    size = MeshSize.graded(edge_mm or EDGE_MODULES * pattern.module_mm, case.nozzle_mm)
     allowance = Allowance.of(pattern)
-    chooser = OptimalChoice(allowance) if method == "optimal" else PaperChoice(allowance, loss_weight)
-    return _run(pattern, job, chooser, method)
+    chooser = OptimalChoice(allowance) if method == "optimal" else PaperChoice(allowance)
+    return _run(pattern, _Job(placement, case, edge_mm, TileMeshes(size)), chooser, method)
 
 
 Chooser = OptimalChoice | PaperChoice
@@ -148,7 +99,7 @@ def _run(pattern: Pattern, job: _Job, chooser: Chooser, method: Method) -> Reinf
         analysis = job.reanalysis(start.pattern)
         # The coarse model understates the peak: what it may show is the limit, understated as much.
         scale = analysis.largest / start.field.max_stress_mpa
-        bridged, new, stresses = chooser.lay(start.pattern, analysis, scale * job.yield_mpa)
+        bridged, new, stresses = chooser.add_bridges(start.pattern, analysis, scale * job.case.limit_mpa)
         if not new:
             break
         stages.append(_Stage(bridged, job.check(bridged), (*start.bridges, *new)))
@@ -172,15 +123,15 @@ def _run(pattern: Pattern, job: _Job, chooser: Chooser, method: Method) -> Reinf
         status=STRONG if strong else WEAK,
         history=tuple(history),
         method=method,
-        yield_mpa=job.yield_mpa,
+        yield_mpa=job.case.limit_mpa,
         removed=chooser.removed,
-        remedies=() if strong else remedies(best.field, pattern, job.yield_mpa),
+        remedies=() if strong else remedies(best.field, pattern, job.case.limit_mpa),
     )
 
 
 @dataclass(frozen=True)
 class _Stage:
-    """A confirmed pattern with the structural bridges laid so far."""
+    """A confirmed pattern with the structural bridges added so far."""
 
     pattern: Pattern
     field: StressField

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from perfqr_cad.structure.field import StressField
+from perfqr_cad.structure.stress_field import StressField
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge, Pattern
@@ -17,7 +17,7 @@ STRONG = "strong"
 class Reinforcement:
     """A pattern and the structural bridges it was given, with the fields before and after.
 
-    `iterations` counts bridges laid, `confirmations` the conforming meshes that checked them; `history` is
+    `iterations` counts bridges added, `confirmations` the conforming meshes that checked them; `history` is
     the largest stress in MPa, first unreinforced, then after each round and confirmation. `status` is
     "strong" or "weak: no affordable bridge is left"; `remedies` then says what else would help.
     """

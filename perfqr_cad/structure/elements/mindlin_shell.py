@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.structure.plate import Section
-from perfqr_cad.structure.t6 import (
+from perfqr_cad.structure.elements.mindlin_plate import Section
+from perfqr_cad.structure.mesh.triangle import (
     FROM_GAUSS_TO_CORNERS,
     SIX_POINTS,
     SIX_WEIGHTS,

@@ -14,13 +14,13 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from perfqr_cad.structure.elements.solvers import Factor
 from perfqr_cad.structure.measure import Discs, von_mises
-from perfqr_cad.structure.model import Model
-from perfqr_cad.structure.solvers import Factor
-from perfqr_cad.structure.t6 import Floats, Ints
+from perfqr_cad.structure.mesh.triangle import Floats, Ints
+from perfqr_cad.structure.shell_model import Model
 
-HOT_SHARE = 0.6  # of the largest stress: places that are watched while bridges are tried
-HOT_MOST = 400
+CRITICAL_SHARE = 0.6  # of the largest stress: places that are watched while bridges are tried
+CRITICAL_MOST = 400
 
 
 @dataclass(frozen=True)
@@ -28,14 +28,14 @@ class Response:
     """What bars with coupling C (n, k) feel and do on the seams: C as felt there (s, k), and its motion."""
 
     coupling: sp.csc_matrix
-    felt: sp.csc_matrix
+    on_seams: sp.csc_matrix
     motion: Floats
 
     def take(self, columns: Ints) -> Response:
         """That of some columns of C."""
         return Response(
             sp.csc_matrix(self.coupling[:, columns]),
-            sp.csc_matrix(self.felt[:, columns]),
+            sp.csc_matrix(self.on_seams[:, columns]),
             self.motion[:, columns],
         )
 
@@ -48,11 +48,11 @@ class Reanalysis:
         self.discs = Discs(model.mesh, nozzle_mm)
         self._factor = factor
         self._base = factor.solve(np.where(model.fixed, 0.0, forces))
-        self._laid = self.respond(sp.csc_matrix((len(forces), 0)))
+        self._added = self.respond(sp.csc_matrix((len(forces), 0)))
         self._small: Floats = np.zeros((0, 0))  # 1 + CᵀZ0
         self.displacement = self._base
         self._own: Floats = np.zeros((0, 0, 5, 0))
-        self._hot: tuple[Ints, Floats] | None = None
+        self._critical: tuple[Ints, Floats] | None = None
         self._under: Ints = np.zeros(0, np.int64)
 
     def solve(self, right: Floats) -> Floats:
@@ -60,37 +60,37 @@ class Reanalysis:
         return self._corrected(self._factor.solve(right))
 
     def respond(self, coupling: sp.csc_matrix) -> Response:
-        """What bridges by themselves do, without those laid."""
-        felt = self._factor.onto_seams(coupling)
-        motion = self._factor.solve_seams(felt.toarray()) if felt.nnz else felt.toarray()
-        return Response(coupling, felt, motion)
+        """What bridges by themselves do, without those added."""
+        on_seams = self._factor.onto_seams(coupling)
+        motion = self._factor.solve_seams(on_seams.toarray()) if on_seams.nnz else on_seams.toarray()
+        return Response(coupling, on_seams, motion)
 
     def between(self, left: sp.csc_matrix, response: Response) -> Floats:
-        """Aᵀ K⁻¹ C for columns A (n, r), laid bridges included."""
+        """Aᵀ K⁻¹ C for columns A (n, r), added bridges included."""
         alone = self._alone(left, response)
         if not len(self._small):
             return alone
-        amplitudes = np.linalg.solve(self._small, self._alone(self._laid.coupling, response))
-        return alone - self._alone(left, self._laid) @ amplitudes
+        amplitudes = np.linalg.solve(self._small, self._alone(self._added.coupling, response))
+        return alone - self._alone(left, self._added) @ amplitudes
 
     def add(self, response: Response, own: Floats, under: Ints) -> None:
-        """Lay bridges for good.
+        """Add bridges for good.
 
         `own` (k, e, 5, d) are the tensors in each per unit of its mode forces. They stand on the corner nodes
         `under`, whose stress is none of the part's now.
         """
         alone = self._alone(response.coupling, response)
-        cross = self._alone(self._laid.coupling, response)
+        cross = self._alone(self._added.coupling, response)
         self._small = np.block([[self._small, cross], [cross.T, np.eye(len(alone)) + alone]])
-        self._laid = Response(
-            sp.csc_matrix(sp.hstack([self._laid.coupling, response.coupling])),
-            sp.csc_matrix(sp.hstack([self._laid.felt, response.felt])),
-            np.concatenate([self._laid.motion, response.motion], axis=1),
+        self._added = Response(
+            sp.csc_matrix(sp.hstack([self._added.coupling, response.coupling])),
+            sp.csc_matrix(sp.hstack([self._added.on_seams, response.on_seams])),
+            np.concatenate([self._added.motion, response.motion], axis=1),
         )
         self.displacement = self._corrected(self._base)
         self._under = np.union1d(self._under, under)
         self._own = np.concatenate([self._own, own]) if len(self._own) else own
-        self._hot = None
+        self._critical = None
 
     def drop(self, modes: int) -> None:
         """Take the last modes away again."""
@@ -98,33 +98,33 @@ class Reanalysis:
             return
         left = np.arange(self.modes - modes)
         self._small = self._small[np.ix_(left, left)]
-        self._laid = self._laid.take(left)
+        self._added = self._added.take(left)
         self._own = self._own[: len(left) // self._own.shape[3]]
         self.displacement = self._corrected(self._base)
-        self._hot = None
+        self._critical = None
 
     def in_bars(self) -> Floats:
-        """Tensors (k, e, 5) in the bridges laid."""
-        forces = np.linalg.solve(self._small, self._laid.coupling.T @ self._base)
+        """Tensors (k, e, 5) in the bridges added."""
+        forces = np.linalg.solve(self._small, self._added.coupling.T @ self._base)
         return np.einsum("keam,km->kea", self._own, forces.reshape(len(self._own), -1))
 
     def relief_in_bars(self, response: Response) -> Floats:
-        """What a unit of each of some forces takes off the tensors in the bridges laid, (k·e·5, columns)."""
-        taken = np.linalg.solve(self._small, self._alone(self._laid.coupling, response))
+        """What a unit of each of some forces takes off the tensors in the bridges added, (k·e·5, columns)."""
+        taken = np.linalg.solve(self._small, self._alone(self._added.coupling, response))
         by_bar = taken.reshape(len(self._own), -1, taken.shape[1])
         return np.einsum("keam,kmc->keac", self._own, by_bar).reshape(-1, taken.shape[1])
 
     def pull_of_bars(self, weights: Floats) -> Floats:
         """The displacement (n,) whose work with any forces is what these take off the tensors in the bridges
-        laid, summed with these weights (k, e, 5)."""
+        added, summed with these weights (k, e, 5)."""
         forces = np.einsum("keam,kea->km", self._own, weights).ravel()
         forces = np.linalg.solve(self._small, forces)
-        return self._factor.from_seams(self._laid.motion @ forces, self._laid.coupling @ forces)
+        return self._factor.from_seams(self._added.motion @ forces, self._added.coupling @ forces)
 
     def subset(self, operator: sp.csr_matrix) -> Callable[[NDArray[np.bool_]], Floats]:
-        """What an operator sees of the displacement if only some of the laid modes were there, by flags."""
-        base, relief = operator @ self._base, self._alone(sp.csc_matrix(operator.T), self._laid)
-        strain = self._laid.coupling.T @ self._base
+        """What an operator sees of the displacement if only some of the added modes were there, by flags."""
+        base, relief = operator @ self._base, self._alone(sp.csc_matrix(operator.T), self._added)
+        strain = self._added.coupling.T @ self._base
 
         def seen(kept: NDArray[np.bool_]) -> Floats:
             forces = np.zeros(len(kept))
@@ -135,35 +135,35 @@ class Reanalysis:
 
     @property
     def modes(self) -> int:
-        """Columns of C laid so far."""
+        """Columns of C added so far."""
         return len(self._small)
 
     def _alone(self, left: sp.csc_matrix, response: Response) -> Floats:
         """Aᵀ K0⁻¹ C, (r, k)."""
-        felt = response.felt if left is response.coupling else self._factor.onto_seams(left)
-        return felt.T @ response.motion + self._factor.inside(left, response.coupling)
+        on_seams = response.on_seams if left is response.coupling else self._factor.onto_seams(left)
+        return on_seams.T @ response.motion + self._factor.inside(left, response.coupling)
 
     def _corrected(self, unbridged: Floats) -> Floats:
         """K⁻¹ f (n,) given K0⁻¹ f."""
         if not self.modes:
             return unbridged
-        amplitudes = np.linalg.solve(self._small, self._laid.coupling.T @ unbridged)
-        forces = self._laid.coupling @ amplitudes
-        return unbridged - self._factor.from_seams(self._laid.motion @ amplitudes, forces)
+        amplitudes = np.linalg.solve(self._small, self._added.coupling.T @ unbridged)
+        forces = self._added.coupling @ amplitudes
+        return unbridged - self._factor.from_seams(self._added.motion @ amplitudes, forces)
 
     @property
-    def hot_places(self) -> tuple[Ints, Floats]:
+    def critical_places(self) -> tuple[Ints, Floats]:
         """The corner nodes with the largest of the named measure, and it in MPa, largest first."""
-        if self._hot is None:
+        if self._critical is None:
             stress = self.model.corner_stresses(self.displacement)
-            places, measure = self.discs.hottest(stress, HOT_SHARE, self._under)
-            self._hot = places[:HOT_MOST], measure[:HOT_MOST]
-        return self._hot
+            places, measure = self.discs.most_stressed(stress, CRITICAL_SHARE, self._under)
+            self._critical = places[:CRITICAL_MOST], measure[:CRITICAL_MOST]
+        return self._critical
 
     @property
     def largest(self) -> float:
-        """The largest of the named measure, in MPa, also in the bridges laid."""
-        hottest = float(self.hot_places[1].max(initial=0.0))
+        """The largest of the named measure, in MPa, also in the bridges added."""
+        hottest = float(self.critical_places[1].max(initial=0.0))
         return max(hottest, float(von_mises(self.in_bars()).max())) if self.modes else hottest
 
 

@@ -16,22 +16,22 @@ import scipy.sparse as sp
 from scipy.linalg import cho_factor, cho_solve
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.structure.assembly import Flags, Group, lower_triangle, scattered
-from perfqr_cad.structure.quilt import Block
-from perfqr_cad.structure.solvers import FREE_TO_MOVE, factorise
-from perfqr_cad.structure.t6 import Floats, Ints
+from perfqr_cad.structure.elements.assembly import Flags, Group, lower_triangle, scattered
+from perfqr_cad.structure.elements.solvers import FREE_TO_MOVE, factorise
+from perfqr_cad.structure.mesh.tiled_mesh import TileBlock
+from perfqr_cad.structure.mesh.triangle import Floats, Ints
 
 LEAST_COPIES = 4  # of a tile for which eliminating its inside is worth dense matrices
 
 
 @dataclass(frozen=True)
-class Quilted:
-    """A linear structure of blocks of tiles: element matrices (m, k·d, k·d) for each block's patch.
+class TiledStructure:
+    """A linear structure of blocks of tiles: element matrices (m, k·d, k·d) for each block's tile_mesh.
 
     Every node has `dofs` unknowns, numbered node by node; `fixed` (n·d,) flags those that are held.
     """
 
-    blocks: tuple[Block, ...]
+    blocks: tuple[TileBlock, ...]
     matrices: tuple[Floats, ...]
     dofs: int
     fixed: Flags
@@ -64,9 +64,9 @@ class _Kind:
 
 
 class Condensed:
-    """The factor of a quilted structure."""
+    """The factor of a tiled structure."""
 
-    def __init__(self, structure: Quilted, solver: str | None) -> None:
+    def __init__(self, structure: TiledStructure, solver: str | None) -> None:
         d, nodes = structure.dofs, len(structure.fixed) // structure.dofs
         uses = np.bincount(np.concatenate([b.nodes.ravel() for b in structure.blocks]), minlength=nodes)
         self._kinds: list[_Kind] = []
@@ -122,9 +122,9 @@ class Condensed:
         rows = _used(forces)
         return sp.csc_matrix(self._influence(rows).T @ forces.tocsr()[rows])
 
-    def solve_seams(self, felt: Floats) -> Floats:
+    def solve_seams(self, on_seams: Floats) -> Floats:
         """See `solvers.Factor`."""
-        return self._factor.solve(felt)
+        return self._factor.solve(on_seams)
 
     def from_seams(self, motion: Floats, forces: Floats) -> Floats:
         """See `solvers.Factor`."""
@@ -189,15 +189,15 @@ class Condensed:
 
     def _onto_seams(self, right: Floats) -> tuple[Floats, list[Ints]]:
         """Right-hand sides as the seams feel them, and the tiles of each kind with any of it inside."""
-        felt = right.copy()
+        on_seams = right.copy()
         pushed: list[Ints] = []
         loaded = np.asarray(right.any(axis=1))
         for kind in self._kinds:
             pushed.append(np.flatnonzero(loaded[kind.inner].any(axis=1)))
             rows = pushed[-1]
             onto = np.matmul(kind.follow.T, right[kind.inner[rows]])
-            np.subtract.at(felt, kind.seam[rows].ravel(), onto.reshape(-1, right.shape[1]))
-        return felt[self._kept], pushed
+            np.subtract.at(on_seams, kind.seam[rows].ravel(), onto.reshape(-1, right.shape[1]))
+        return on_seams[self._kept], pushed
 
 
 def _used(matrix: sp.csc_matrix) -> Ints:
@@ -215,11 +215,11 @@ def _alike(shared: Flags, held: Flags) -> Iterator[Ints]:
 
 
 def _condense(
-    block: Block, matrices: Floats, dofs: int, rows: Ints, seam: Ints, held: Flags
+    block: TileBlock, matrices: Floats, dofs: int, rows: Ints, seam: Ints, held: Flags
 ) -> tuple[_Kind, Floats]:
     """The inside of some tiles of a block eliminated, and the stiffness S (a, a) left on their seams."""
     count = block.nodes.shape[1]
-    local = (block.patch.elements[:, :, None] * dofs + np.arange(dofs)).reshape(len(matrices), -1)
+    local = (block.tile_mesh.elements[:, :, None] * dofs + np.arange(dofs)).reshape(len(matrices), -1)
     whole = np.zeros((count * dofs, count * dofs))
     np.add.at(whole, (local[:, :, None], local[:, None, :]), matrices)
     on_seam = (seam[:, None] * dofs + np.arange(dofs)).ravel()

@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.structure.t6 import Floats
+from perfqr_cad.structure.mesh.triangle import Floats
 
 FREE_TO_MOVE = "the part is free to move: hold it on its outer boundary or choose another support"
 
@@ -39,7 +39,7 @@ class Factor(Protocol):
         """Few forces (n, k) as the s unknowns that were factorised feel them, (s, k)."""
         ...
 
-    def solve_seams(self, felt: Floats) -> Floats:
+    def solve_seams(self, on_seams: Floats) -> Floats:
         """The motion of those unknowns under what they feel, (s, k)."""
         ...
 
@@ -67,9 +67,9 @@ class _Whole(ABC):
         """See `Factor`."""
         return forces
 
-    def solve_seams(self, felt: Floats) -> Floats:
+    def solve_seams(self, on_seams: Floats) -> Floats:
         """See `Factor`."""
-        return self.solve(felt)
+        return self.solve(on_seams)
 
     def from_seams(self, motion: Floats, forces: Floats) -> Floats:
         """See `Factor`."""
