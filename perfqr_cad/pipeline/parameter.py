@@ -69,7 +69,7 @@ class Parameter:
 
     @property
     def left_open(self) -> float | None:
-        """The number that stands for "not given": 0 where that is out of range, else -1; None: there is none."""
+        """The number that stands for "not given": 0 where that is out of range, else -1; or None."""
         if self.empty is None or self.kind not in (Kind.WHOLE, Kind.NUMBER):
             return None
         return -1 if self.minimum is None or self.minimum <= 0 else 0

@@ -15,7 +15,7 @@ from perfqr_cad.pipeline.setting import GROUPS, UNITS
 from perfqr_cad.scan import FULL, QUICK
 from perfqr_cad.scan.colours import BACKGROUNDS, FILAMENTS
 from perfqr_cad.structure.loads import Hold
-from perfqr_cad.structure.materials import MATERIALS
+from perfqr_cad.structure.material_table import MATERIALS
 from perfqr_cad.symbol import Level
 
 HOLE = next(declared for declared in SETTINGS if declared.name == "hole")
