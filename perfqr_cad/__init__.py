@@ -21,6 +21,7 @@ from perfqr_cad.errors import (
 
 if TYPE_CHECKING:
     from perfqr_cad.capture import read
+    from perfqr_cad.catalog.settings import settings
     from perfqr_cad.frontends import PerforatedQR
     from perfqr_cad.pipeline.chain import make
     from perfqr_cad.pipeline.design import Design
@@ -41,6 +42,7 @@ __all__ = [
     "TemplateError",
     "make",
     "read",
+    "settings",
 ]
 
 # Names that pull in numerical libraries are loaded on first use, so that importing the package is instant.
@@ -50,6 +52,7 @@ _LAZY = {
     "Request": "perfqr_cad.pipeline.request",
     "make": "perfqr_cad.pipeline.chain",
     "read": "perfqr_cad.capture",
+    "settings": "perfqr_cad.catalog.settings",
 }
 
 

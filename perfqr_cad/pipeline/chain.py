@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pipeline.design import Design
-from perfqr_cad.pipeline.request import Request
+from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
+from perfqr_cad.pipeline.setting import takes
 from perfqr_cad.pipeline.targets import Site, Target, locate
 from perfqr_cad.pipeline.tuning import for_reader
 from perfqr_cad.progress import tell
@@ -29,10 +30,11 @@ if TYPE_CHECKING:
     from perfqr_cad.symbol import Level, Symbol
 
 
+@takes(SETTINGS)
 def make(
     text: str | None = None, *, image: str | Path | None = None, target: Target | None = None, **settings: Any
 ) -> Design:
-    """Make a part from a text or a picture; `settings` are the fields of `Request`.
+    """Make a part from a text or a picture, with settings as listed below (the fields of `Request`).
 
     `target` is what the code is carved into; a flat plate of `thickness_mm` unless given.
 

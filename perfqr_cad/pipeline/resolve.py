@@ -115,8 +115,8 @@ def _drawing(request: Request) -> PatternSpec:
         surround=Surround(
             frame_mm=request.frame_mm,
             corner_radius_mm=request.corner_radius_mm,
-            holes=tuple(Hole(*hole) for hole in request.holes_mm),
-            corner_hole_mm=request.corner_hole_mm,
+            holes=tuple(Hole(*hole) for hole in request.hole_mm if len(hole) > 1),
+            corner_hole_mm=next((hole[0] for hole in request.hole_mm if len(hole) == 1), None),
         ),
         seed=request.seed,
     )
@@ -143,7 +143,7 @@ def _backing(request: Request) -> Backing | None:
         return None
     plain = LIGHT if request.tone == "inverted" else DARK
     colour = plain if request.ground is None else _srgb(_colours(request)[1])
-    return Backing(request.backing_mm, request.backing_gap_mm, colour)
+    return Backing(request.backing_mm, request.gap_mm, colour)
 
 
 def _loads(request: Request) -> tuple[Load, ...]:
@@ -181,7 +181,7 @@ def _look(request: Request) -> Look:
     """Colours of the part and of the ground behind it, which a backing brings near."""
     from perfqr_cad.scan import Look
 
-    gap = Look.gap_mm if request.backing_mm is None else request.backing_gap_mm
+    gap = Look.gap_mm if request.backing_mm is None else request.gap_mm
     material, ground = _colours(request)
     return Look(material=material, ground=ground, gap_mm=gap)
 

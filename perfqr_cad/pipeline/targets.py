@@ -101,7 +101,7 @@ def _furnished(target: Target, terms: Terms) -> Target:
         return replace(
             target, caption=terms.caption or target.caption, backing=terms.backing or target.backing
         )
-    wishes = ("frame_mm", "corner_radius_mm", "holes_mm", "corner_hole_mm", "caption", "backing_mm")
+    wishes = ("frame_mm", "corner_radius_mm", "hole_mm", "caption", "backing_mm")
     if asked := [name for name in wishes if getattr(terms.request, name)]:
         raise DesignError(
             f"{', '.join(asked)}: a code in a part of your own has the part around it: leave these out"
