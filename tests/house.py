@@ -1,7 +1,8 @@
 """The size and shape of the package: `python tests/house.py`.
 
-Prints folders by files and lines, the longest functions and modules, functions of many arguments, and names that
-stand for two things. What is out of the ordinary has its reason in `REASONS`; `tests/unit/test_house.py` holds both.
+Prints folders by files and lines, long functions and modules, functions of many arguments, and names that
+stand for two things. What is out of the ordinary has its reason in `REASONS`; `tests/unit/test_house.py`
+holds both.
 """
 
 from __future__ import annotations
@@ -75,7 +76,9 @@ def oddities() -> list[Oddity]:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 classes[node.name].append(place)
         stems[path.stem] += not path.stem.startswith("__")
-    found += [Oddity(name, f"class in {', '.join(at)}") for name, at in sorted(classes.items()) if len(at) > 1]
+    found += [
+        Oddity(name, f"class in {', '.join(at)}") for name, at in sorted(classes.items()) if len(at) > 1
+    ]
     found += [Oddity(f"{stem}.py", f"{n} modules") for stem, n in sorted(stems.items()) if n > 1]
     return found
 

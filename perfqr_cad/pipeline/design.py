@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from perfqr_cad.capture import Capture
     from perfqr_cad.export import FileRecord
     from perfqr_cad.pattern import Pattern
+    from perfqr_cad.pipeline.promises import Promise
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Solid
     from perfqr_cad.structure import Reinforcement, SolidCheck, StressField
@@ -38,6 +39,7 @@ class Design:
     scan: ScanReport
     timings_s: dict[str, float] = field(default_factory=dict[str, float])
     verified: SolidCheck | None = None
+    promises: tuple[Promise, ...] = ()
     files: tuple[FileRecord, ...] = ()
 
     @property
