@@ -34,8 +34,7 @@ CLEARANCE = 0.2  # of the wall: how far cutters stand out before and behind it
 
 def prism(body: Body, hole: Loop, placement: Projected, depth_mm: float | None) -> TopoDS_Shape:
     """A straight prism over a hole, through the wall or down to a flat floor `depth_mm` below its lowest
-    rim.
-    """
+    rim."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
     from OCP.gp import gp_Ax3, gp_Trsf
 

@@ -90,10 +90,9 @@ class Projected(HostPlacement):
 
     def distortion(self, size_mm: float) -> Distortion:
         """As the reader before the centre sees it: a projection keeps area and angle, only the tilt
-        counts.
-        """
+        counts."""
         on_the_face = super().distortion(size_mm)
-        return Distortion(0.0, 0.0, 0.0, 0.0, on_the_face.tilt_worst_deg)
+        return Distortion(0.0, 0.0, on_the_face.tilt_worst_deg)
 
 
 @dataclass(frozen=True)

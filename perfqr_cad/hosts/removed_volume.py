@@ -35,8 +35,7 @@ def removed_volume_mm3(
 
 def quadrature(holes: Sequence[Loop]) -> tuple[Array, Array]:
     """Points (k, 2) and weights (k,) in mm² that integrate over the holes; the weights sum to their exact
-    area.
-    """
+    area."""
     points, weights = [], []
     for hole in holes:
         ring = hole.oriented(ccw=True).flatten(FLATTEN_MM)

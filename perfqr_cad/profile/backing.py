@@ -41,8 +41,7 @@ class Backing:
 
     def sections(self, loops: tuple[Loop, ...], placement: Placement, whole_circles: bool) -> Sections:
         """Loops of the plate at its two faces. Raises `DesignError` where the wall bends too tightly for
-        it.
-        """
+        it."""
         near = placement.thickness_mm + self.gap_mm
         far = near + self.thickness_mm
         corners = loops[0].flatten()

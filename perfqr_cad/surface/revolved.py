@@ -1,10 +1,8 @@
 """Walls of revolution about the y axis: cylinder, sphere, any meridian.
 
-The centre of the code is on the +z side; the reader stands at +z. u runs around the axis at the angle u /
-r₀, with
-r₀ the front's radius at the code's centre; v runs along the meridian by arc length. Lines of the pattern's
-grid
-become circles and meridians, and the normals along them planes and cones: walls are exact.
+The centre of the code is on the +z side; the reader stands at +z. u runs around the axis at the angle u / r₀,
+with r₀ the front's radius at the code's centre; v runs along the meridian by arc length. Lines of the
+pattern's grid become circles and meridians, and the normals along them planes and cones: walls are exact.
 """
 
 from __future__ import annotations

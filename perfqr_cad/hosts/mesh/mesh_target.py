@@ -78,7 +78,7 @@ class MeshTarget:
             factor *= self.extent_mm / float(np.ptp(raw.vertices, axis=0).max() * self.scale)
         if not (np.isfinite(factor) and factor > 0):
             raise DesignError(f"scale {factor:g} is not above 0: give the longest edge in mm, or a factor")
-        return mend(Triangles(raw.vertices * factor, raw.faces), self.part).triangles
+        return mend(Triangles(raw.vertices * factor, raw.faces), self.part)
 
     @cached_property
     def body(self) -> Body:
@@ -108,8 +108,7 @@ class MeshTarget:
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
         """The carved mesh (a `Solid` of triangles only), or with `exact` the B-spline panel under the
-        code.
-        """
+        code."""
         from perfqr_cad.hosts.cutters import carved_mesh
         from perfqr_cad.hosts.host_profile import host_profile, with_fitted_bars
         from perfqr_cad.hosts.mesh.fitted_panel import fit_panel
@@ -143,8 +142,7 @@ class MeshTarget:
 
 def _projected(body: Body, found: Survey, thickness_mm: float) -> Projected:
     """The projection of a code at a surveyed place on a sheet of a thickness: the mesh with the kinks between
-    its facets smoothed; the rim's heights are kept on beyond the code.
-    """
+    its facets smoothed; the rim's heights are kept on beyond the code."""
     near = survey(body, found.frame, found.size_mm, GRID)
     span = MARGIN * found.size_mm
     line, wider = (np.linspace(-s / 2, s / 2, GRID) for s in (found.size_mm, span))

@@ -107,8 +107,7 @@ def _smooth(host: Host, profile: Profile, placement: HostPlacement, walls: Walls
 
 def _barred(host: Host, profile: Profile, placement: HostPlacement, walls: Walls) -> TopoDS_Solid:
     """All holes punched between one face and another, with recessed bars. Raises `NoRecess` where there are
-    more faces.
-    """
+    more faces."""
     if not profile.bars:
         return _holed(host, profile, placement, walls)
     made = profile.sections(placement.thickness_mm, walls, rim=False)
@@ -175,8 +174,7 @@ def _punched(
 
 def _rejoined(host: Host, faces: list[TopoDS_Face], walls: list[TopoDS_Face]) -> TopoDS_Solid:
     """The solid of the given faces: shells that the holes join become one, other voids stay shells of their
-    own.
-    """
+    own."""
     shells = kernel.explore(host.shape, "SHELL")
     if len(shells) == 1:
         return solid_of([*faces, *walls])

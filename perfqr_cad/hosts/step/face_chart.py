@@ -1,6 +1,5 @@
 """Charts of walls between faces of an imported solid: exact on plane pairs, by Newton and fitted
-elsewhere.
-"""
+elsewhere."""
 
 from __future__ import annotations
 
@@ -146,8 +145,7 @@ class FaceChart:
 
     def _sunk(self, depth_mm: float) -> Geom_Surface:
         """The front moved inwards: along the axis of a projection, along its own normals under a wrap; its
-        parameters stay. Cylinders, cones, spheres and tori become such of another radius.
-        """
+        parameters stay. Cylinders, cones, spheres and tori become such of another radius."""
         if isinstance(self.placement, Projected):
             x, y, z = (-depth_mm * self.placement.frame_at_centre.axes[2]).tolist()
             shift = gp_Trsf()

@@ -61,8 +61,7 @@ class ImportedFace:
     @staticmethod
     def of(shape: Any, **place: Any) -> ImportedFace:
         """A face of a solid in memory: a kernel shape, build123d object or CadQuery workplane; `place` as
-        above.
-        """
+        above."""
         return ImportedFace(shape=shape, **place)
 
     @cached_property

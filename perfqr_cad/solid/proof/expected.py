@@ -2,10 +2,8 @@
 
 3 V = ∮ p · dA over the front, the back (or the floors) and the walls. On the caps dA = p_u × p_v du dv, and
 Green's theorem turns the area integral into ∮ G dv along the loops, ∂G/∂u = p · (p_u × p_v): G = z u on a
-plate,
-G = u · density around an axis, a fine table elsewhere. Walls are ruled between mapped segments. All is
-integrated by
-Gauss rules: exact on a plate up to rounding.
+plate, G = u · density around an axis, a fine table elsewhere. Walls are ruled between mapped segments. All is
+integrated by Gauss rules: exact on a plate up to rounding.
 """
 
 from __future__ import annotations
