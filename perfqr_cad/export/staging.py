@@ -41,7 +41,7 @@ def staged(folder: Path, *, create: bool = False) -> Generator[Path]:
         raise
 
 
-def probe(folder: Path, *, create: bool = False) -> None:
+def check_writable(folder: Path, *, create: bool = False) -> None:
     """Raise the `DesignError` that `staged` would, and leave nothing behind."""
     there = next(path for path in (folder, *folder.parents) if path.exists()) if create else folder
     try:

@@ -10,7 +10,8 @@ import pytest
 
 import perfqr_cad
 from perfqr_cad import DesignError, Request, make, progress
-from perfqr_cad.pipeline.design import Design, _require_readable, scan_part
+from perfqr_cad.pipeline.chain import _require_readable, scan_part
+from perfqr_cad.pipeline.design import Design
 from perfqr_cad.scan import DecoderResult, ScanReport
 from perfqr_cad.structure import SolidCheck
 
@@ -131,8 +132,8 @@ def test_the_public_face_is_complete() -> None:
 
 def test_a_tag_with_everything_around_the_code() -> None:
     plain = {"text": "HELLO 123", "size_mm": 40.0}
-    around = {"frame_mm": 9.0, "corner_radius_mm": 4.0, "corner_hole_mm": 3.0, "caption": "No. 7"}
-    tag = make(**plain, **around, backing_mm=1.0, backing_gap_mm=0.5)
+    around = {"frame_mm": 9.0, "corner_radius_mm": 4.0, "hole_mm": ((3.0,),), "caption": "No. 7"}
+    tag = make(**plain, **around, backing_mm=1.0, gap_mm=0.5)
     assert tag.solid.valid
     low, high = tag.solid.bbox_mm
     assert high[0] - low[0] == pytest.approx(58)
