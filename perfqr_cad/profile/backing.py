@@ -23,6 +23,10 @@ class Backing:
     """A plate that follows the back of the part.
 
     gap_mm  between the back of the part and the plate; 0: touching
+
+    >>> Backing(thickness_mm=0.0)
+    Traceback (most recent call last):
+    perfqr_cad.errors.DesignError: a backing 0 mm thick: give a number above 0
     """
 
     thickness_mm: float = 1.0

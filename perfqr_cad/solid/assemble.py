@@ -61,7 +61,14 @@ def build_profile(
     colour: Colour = LIGHT,
     chord_mm: float = CHORD_MM,
 ) -> Solid:
-    """The part of a profile; otherwise as `build`."""
+    """The part of a profile; otherwise as `build`.
+
+    >>> from perfqr_cad.geometry import Loop, Region
+    >>> square = Region(Loop.from_points([(0, 0), (4, 0), (4, 4), (0, 4)]))
+    >>> part = build_profile(Profile((square,)), Plane(2.0))
+    >>> part.valid, part.faces, round(part.volume_mm3, 9)
+    (True, 6, 32.0)
+    """
     walls = walls or Walls()
     sections, notes = profile.feasible_sections(
         placement.thickness_mm, walls, whole_circles=chart_of(placement).whole_circles

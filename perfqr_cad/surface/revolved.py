@@ -63,7 +63,11 @@ class Revolved(Placement):
 
 @dataclass(frozen=True)
 class Cylinder(Revolved):
-    """Outer wall of a tube; the wrap is an isometry of the front surface."""
+    """Outer wall of a tube; the wrap is an isometry of the front surface.
+
+    >>> Cylinder(30.0, 2.0).point([(0, 5)]).tolist(), round(Cylinder(30.0, 2.0).largest_size_mm(), 1)
+    ([[0.0, 5.0, 30.0]], 52.3)
+    """
 
     radius_mm: float
     thickness_mm: float
@@ -120,6 +124,10 @@ class Revolution(Revolved):
 
     profile    (radius, height) points in mm, upwards, at least 4; a cubic spline runs through them
     height_mm  where on the profile the centre of the code lies
+
+    >>> vase = Revolution(((20, 0), (24, 20), (26, 40), (22, 60)), height_mm=30, thickness_mm=1.5)
+    >>> 24 < vase.centre_radius_mm < 26
+    True
     """
 
     profile: tuple[tuple[float, float], ...]

@@ -42,6 +42,12 @@ class MeshTarget:
     up         what points up in the code; default +z, or +y where the spot looks along z
     hollow_mm  make the body a shell of that thickness first
     exact      give back the panel under the code as an exact B-spline solid instead of the carved mesh
+
+    >>> import trimesh
+    >>> plate = trimesh.creation.box((40, 40, 2))
+    >>> target = MeshTarget.of(Triangles(plate.vertices, plate.faces), point=(0, 0, 1))
+    >>> round(target.placement(24.0).thickness_mm, 6)
+    2.0
     """
 
     path: str | Path | None = None

@@ -46,6 +46,12 @@ class ImportedFace:
     shape      a solid in memory instead of a file: see `of`
     behind     a dark body that the part sits on, seen through its holes: only the camera knows of it (see
                `mesh_shape`)
+
+    >>> from build123d import Box
+    >>> target = ImportedFace.of(Box(40, 40, 2), point=(0, 0, 1))
+    >>> placement = target.placement(24.0)
+    >>> round(placement.thickness_mm, 6), placement.normal((0, 0)).round(6).tolist()
+    (2.0, [[0.0, 0.0, 1.0]])
     """
 
     path: str | Path | None = None
