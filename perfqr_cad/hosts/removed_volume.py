@@ -10,7 +10,7 @@ import numpy as np
 from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Loop
 from perfqr_cad.geometry.triangulation import delaunay
-from perfqr_cad.hosts.placement import HostPlacement
+from perfqr_cad.hosts.host_placement import HostPlacement
 from perfqr_cad.hosts.probe import probe
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from perfqr_cad.profile.profile import Profile
 from perfqr_cad.profile.sections import Sections
 from perfqr_cad.profile.walls import Walls
 from perfqr_cad.solid.charts.chart import Chart
-from perfqr_cad.solid.charts.plane import PlaneChart
+from perfqr_cad.solid.charts.plane_chart import PlaneChart
 from perfqr_cad.solid.mesh import CHORD_MM, triangulate
 from perfqr_cad.solid.proof import flux
 from perfqr_cad.solid.proof.check import check

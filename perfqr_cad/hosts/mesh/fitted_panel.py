@@ -12,7 +12,7 @@ from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import DEGREE, collocation, greville
 from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.frame import Frame
-from perfqr_cad.hosts.placement import Projected
+from perfqr_cad.hosts.host_placement import Projected
 from perfqr_cad.hosts.survey import survey
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.hosts.body import Body, body_of_mesh
-from perfqr_cad.hosts.cutters import manifold_of, triangles_of
+from perfqr_cad.hosts.manifold import manifold_of, triangles_of
 
 CELLS_PER_WALL = 2.0  # grid cells across the wall
 MOST_CELLS = 6_000_000  # of the distance grid, about 50 MB; a coarser grid serves larger bodies

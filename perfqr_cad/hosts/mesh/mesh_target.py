@@ -12,10 +12,9 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.hosts.body import Body, body_of_mesh
-from perfqr_cad.hosts.mesh.search import place
+from perfqr_cad.hosts.host_placement import GRID, MARGIN, Projected
+from perfqr_cad.hosts.mesh.mesh_search import place
 from perfqr_cad.hosts.place import PlaceRequest
-from perfqr_cad.hosts.placement import Projected
-from perfqr_cad.hosts.step.imported_face import GRID, LEAST_MODULES, MARGIN
 from perfqr_cad.hosts.survey import Survey, survey
 
 if TYPE_CHECKING:
@@ -26,8 +25,6 @@ if TYPE_CHECKING:
 
 Triple = tuple[float, float, float]
 
-# A mesh is often thicker than a CAD wall and stays readable from the front: the paper's Bunny is.
-MAX_WALL_MODULES = 5.0
 SMOOTHED = 2.0  # samples: half a module of the smallest code
 
 
@@ -139,8 +136,7 @@ class MeshTarget:
         return Path(self.path).stem if self.path else "mesh"
 
     def _problem(self, found: Survey, depth_mm: float | None) -> str | None:
-        limit = MAX_WALL_MODULES * found.size_mm / LEAST_MODULES
-        reason = found.front_problem() or found.wall_problem(depth_mm, limit)
+        reason = found.problem(depth_mm)
         if reason is not None and "set depth" in reason and self.hollow_mm is None:
             return f"{reason}, or hollow (mm) for a shell"
         return reason

@@ -11,7 +11,7 @@ from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.triangles import directed_edges
 from perfqr_cad.hosts.body import weld
-from perfqr_cad.hosts.cutters import manifold_of, triangles_of
+from perfqr_cad.hosts.manifold import manifold_of, triangles_of
 
 WELD_SHARE = 1e-6  # of the diagonal: single-precision files round corners by about this
 # A gap round which the rim is shorter than this share of the diagonal is filled flat; a longer one is an

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Loop
-from perfqr_cad.hosts.cutters import carved_mesh, prism
+from perfqr_cad.hosts.cutters import carved_mesh
+from perfqr_cad.hosts.host_placement import HostPlacement, Projected
 from perfqr_cad.hosts.host_profile import bar_loops, with_fitted_bars
-from perfqr_cad.hosts.placement import HostPlacement, Projected
 from perfqr_cad.hosts.probe import probe
 from perfqr_cad.hosts.removed_volume import removed_volume_mm3
 from perfqr_cad.hosts.step.face_chart import chart_between
 from perfqr_cad.hosts.step.host import Host
+from perfqr_cad.hosts.step.prism import prism
 from perfqr_cad.profile import Profile, Walls
 from perfqr_cad.profile.loft import Loft
 from perfqr_cad.profile.recess import NoRecess, top_depth_mm

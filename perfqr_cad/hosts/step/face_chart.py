@@ -16,12 +16,12 @@ from OCP.gp import gp_Trsf, gp_Vec
 from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Segment
 from perfqr_cad.hosts.frame import Frame
-from perfqr_cad.hosts.placement import HostPlacement, Projected
+from perfqr_cad.hosts.host_placement import HostPlacement, Projected
 from perfqr_cad.hosts.step.exact_face import ExactFace
 from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.charts.chart import Chart, Columns
 from perfqr_cad.solid.charts.fitted import Projection, fitted_columns
-from perfqr_cad.solid.charts.plane import PlaneChart
+from perfqr_cad.solid.charts.plane_chart import PlaneChart
 from perfqr_cad.solid.kernel.modelled import ModelledSurfaces
 from perfqr_cad.solid.tables.batches import Move, Surfaces
 from perfqr_cad.solid.tables.brep import Batch

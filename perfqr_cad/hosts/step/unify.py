@@ -36,7 +36,7 @@ from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.spline import DEGREE, interpolated
 from perfqr_cad.hosts.frame import Frame
-from perfqr_cad.hosts.placement import HostPlacement
+from perfqr_cad.hosts.host_placement import HostPlacement
 from perfqr_cad.hosts.probe import probe
 from perfqr_cad.hosts.step.host import Host
 from perfqr_cad.solid.kernel import booleans as kernel

@@ -15,6 +15,8 @@ from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.surface import Distortion, Placement
 from perfqr_cad.surface.placement import pairs
 
+GRID = 65  # samples a side of a projection's height field
+MARGIN = 1.02  # the field reaches a little beyond the code, for derivatives on its rim
 INVERSE_SEEDS = 33  # a side
 INVERSE_STEPS = 20  # fixed-point steps towards the foot of a point on the front
 
