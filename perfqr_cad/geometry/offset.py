@@ -40,6 +40,10 @@ def widened(loops: Sequence[Loop], flares_mm: Array, share: float = 1.0) -> list
     Rounded corners between lines stay tangent; joints that hardly turn take the lesser flare of the two.
     Where a segment would vanish or turn over, it and its neighbours give way: their flares are halved, in the
     end dropped. A loop where that does not help stays as it is.
+
+    >>> hole = Loop.from_points([(0, 0), (2, 0), (2, 2), (0, 2)]).oriented(ccw=False)
+    >>> widened([hole], np.full(4, 0.5))[0].area
+    -9.0
     """
     if not loops:
         return []

@@ -25,6 +25,9 @@ def delaunay(polygons: Sequence[Array]) -> Indices:
     """Constrained Delaunay triangles (m, 3), counter-clockwise, of the first polygon less the others.
 
     Indices count the corners of all polygons in turn. Raises `KernelError` when the polygons cross or touch.
+
+    >>> len(delaunay([np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [0.0, 2.0]])]))
+    2
     """
     outline = shapely.Polygon(polygons[0], list(polygons[1:]))
     if not outline.is_valid:

@@ -20,6 +20,8 @@ MAX_UNEVEN = 2.0  # greatest over least wall: beyond, one thickness no longer de
 # A hole is read at up to 20-30° of tilt when the wall is 0.6-0.9 of a module high, and only from straight
 # ahead when it is much deeper; a wall over this many modules is a block, not a wall.
 MAX_WALL_MODULES = 5.0
+# A version-1 code with its quiet zone is 29 modules wide: the widest module a code of given size can have.
+LEAST_MODULES = 29
 STEP_SLACK = 0.05  # of the sample spacing: height change that no slope explains
 INSET = 1e-4  # of the code's edge: rays of the rim fall just inside a face of exactly the code's size
 OFF_SPOT = 1e-3  # of the code's edge: the surface at the centre against the frame's origin
@@ -66,6 +68,10 @@ class Survey:
         """Least and greatest wall."""
         return float(np.nanmin(self.wall_mm)), float(np.nanmax(self.wall_mm))
 
+    def problem(self, depth_mm: float | None) -> str | None:
+        """Why the code cannot be carved here, as through-holes or pockets `depth_mm` deep, or None."""
+        return self.front_problem() or self.wall_problem(depth_mm)
+
     def front_problem(self) -> str | None:
         """Why the front cannot carry the code, or None."""
         missing = np.isnan(self.height_mm)
@@ -94,8 +100,9 @@ class Survey:
             )
         return None
 
-    def wall_problem(self, depth_mm: float | None, wall_limit_mm: float) -> str | None:
+    def wall_problem(self, depth_mm: float | None) -> str | None:
         """Why the wall behind the front cannot be perforated (or pocketed `depth_mm` deep), or None."""
+        wall_limit_mm = MAX_WALL_MODULES * self.size_mm / LEAST_MODULES
         if np.isnan(self.wall_mm).any():
             return "the far side of the wall was not found"
         least, most = self.thickness_range_mm

@@ -23,7 +23,7 @@ from perfqr_cad.solid.tables.batches import (
 
 if TYPE_CHECKING:
     from perfqr_cad.solid.kernel.modelled import ModelledCurves, ModelledSurfaces
-    from perfqr_cad.solid.step.modelled import ModelledGeometry
+    from perfqr_cad.solid.step.kernel_geometry import ModelledGeometry
 
 
 class Geometry:
@@ -117,7 +117,7 @@ class Geometry:
 
     @property
     def _modelled(self) -> ModelledGeometry:
-        from perfqr_cad.solid.step.modelled import ModelledGeometry
+        from perfqr_cad.solid.step.kernel_geometry import ModelledGeometry
 
         return ModelledGeometry(self._part)
 
