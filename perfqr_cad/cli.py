@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from perfqr_cad import __version__, options
+from perfqr_cad import __version__, options, scratch, supervised
 from perfqr_cad.errors import DesignError, NotHeldError, PerfQRError
 
 if TYPE_CHECKING:
@@ -189,6 +189,19 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     except (typer.Abort, KeyboardInterrupt):
         status = INTERRUPTED
     sys.exit(status or 0)
+
+
+def entry() -> NoReturn:
+    """The command as a program: `main` in a process of its own, which a signal n ends with 128 + n."""
+    scratch.sweep()
+    sys.exit(supervised.run(_status))
+
+
+def _status() -> int:
+    try:
+        main()
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 1
 
 
 def _version(show: bool) -> None:
