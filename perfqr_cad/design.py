@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import cadquery
 
     from perfqr_cad.capture import Capture
-    from perfqr_cad.export import FileRecord
+    from perfqr_cad.export import FileRecord, Options
     from perfqr_cad.pattern import Pattern, PatternSpec
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Solid
@@ -89,18 +89,18 @@ class Design:
 
         return summary(self)
 
-    def write(self, path: str | Path) -> FileRecord:
+    def write(self, path: str | Path, options: Options | None = None) -> FileRecord:
         """Write one file; its suffix is the format."""
-        from perfqr_cad.export import write
+        from perfqr_cad.export import Options, write
 
-        return write(self, path)
+        return write(self, path, options or Options())
 
-    def written(self, outputs: Sequence[str | Path]) -> Design:
+    def written(self, outputs: Sequence[str | Path], options: Options | None = None) -> Design:
         """Write files and folders; the design that knows of them."""
-        from perfqr_cad.export import write_outputs
+        from perfqr_cad.export import Options, write_outputs
 
         begin = time.perf_counter()
-        files = write_outputs(self, outputs)
+        files = write_outputs(self, outputs, options or Options())
         timings = self.timings_s | {"export": time.perf_counter() - begin}
         return replace(self, files=files, timings_s=timings)
 

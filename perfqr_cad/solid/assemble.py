@@ -81,7 +81,9 @@ def build_plan(
     walls = walls or Walls()
     stands, notes = plan.sections(placement.thickness_mm, walls, chart_of(placement).whole_circles)
     solid = _stood(stands, placement, chord_mm)
-    return replace(solid, notes=notes, name=name, colour=colour)
+    return replace(
+        solid, notes=notes, name=name, colour=colour, letters=plan.letters, relief_mm=plan.relief_mm
+    )
 
 
 def back(

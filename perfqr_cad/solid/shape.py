@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from perfqr_cad.pattern.outline import Region
 from perfqr_cad.surface import Triangles
 
 from .brep import Brep
@@ -33,6 +34,8 @@ class Solid:
     bbox_mm              least and greatest corner
     notes                what was made otherwise than asked, and why
     extras               further solids of the same part, such as a backing plate
+    letters              of a caption, in the pattern plane; they stand relief_mm out of the front, or, where
+                         that is below 0, are sunk into it
     """
 
     exact: Brep | TopoDS_Solid | None
@@ -49,6 +52,13 @@ class Solid:
     name: str = "perforated-qr"
     colour: Colour = LIGHT
     extras: tuple[Solid, ...] = ()
+    letters: tuple[Region, ...] = ()
+    relief_mm: float = 0.0
+
+    @property
+    def is_carved(self) -> bool:
+        """Whether it was carved into a body of the user's: there is more of it than the pattern."""
+        return not isinstance(self.exact, Brep)
 
     @cached_property
     def brep(self) -> Brep | None:
