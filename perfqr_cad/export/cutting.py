@@ -36,7 +36,7 @@ class Cut:
 def cut(design: DesignView) -> Cut:
     """The loops of the whole material, recessed bars included, and of the caption."""
     region = design.pattern.region
-    letters = tuple(loop for letter in engraving(design) for loop in letter.loops)
+    letters = tuple(loop for letter in engraving(design) for loop in (*letter.holes, letter.outer))
     return Cut(letters, region.holes, region.outer)
 
 
@@ -52,9 +52,9 @@ def is_extrusion(design: DesignView) -> bool:
 
 def notes(design: DesignView) -> tuple[str, ...]:
     """How what is cut along the loops differs from the part."""
+    found = ["letters are outlines to engrave"] if engraving(design) else []
     if is_extrusion(design):
-        return ()
-    found: list[str] = []
+        return tuple(found)
     bars = design.pattern.recessed
     if not design.placement.is_flat:
         found.append("drawn flat")

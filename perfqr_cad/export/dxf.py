@@ -7,12 +7,12 @@ another area and OpenSCAD leaves them out, each without a word (docs/files.md).
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from perfqr_cad.pattern import Arc, Circle, Loop
+from perfqr_cad.pattern import Arc, Bridge, Circle, Loop
 from perfqr_cad.pattern.biarc import with_arcs
 from perfqr_cad.pattern.outline import Segment
 
@@ -39,19 +39,19 @@ RISE_MM = 0.05
 def write(design: DesignView, path: Path, *, version: DxfVersion = "r2000", bridges: bool = False) -> None:
     """Write what to engrave, the holes and, last, the outline, each on a layer of its own.
 
-    `bridges` adds where material was laid, for the eye: outlines on a layer that is frozen and not plotted.
+    `bridges` adds where material was laid, for the eye: lines on a layer that is frozen and not plotted.
     R12 has no unit; its numbers are millimetres all the same.
     """
     work = cut(design)
-    bars = [Loop.from_points(bridge.corners()) for bridge in design.pattern.bridges] if bridges else []
-    layers = {ENGRAVE: work.engrave, HOLES: work.holes, OUTLINE: (work.outline,), BRIDGES: bars}
     with _without_clock():
         document = _document(version)
-        for name, loops in layers.items():
+        for name, loops in ((ENGRAVE, work.engrave), (HOLES, work.holes), (OUTLINE, (work.outline,))):
             if loops:
-                _layer(document, name)
+                document.layers.add(name, color=COLOURS[name])
             for loop in loops:
-                _add(document.modelspace(), version, name, loop)
+                _add_loop(document.modelspace(), version, loop, {"layer": name})
+        if bridges:
+            _add_bridges(document, version, design.pattern.bridges)
         document.saveas(path)
 
 
@@ -63,13 +63,6 @@ def _document(version: DxfVersion) -> Drawing:
         document.units = MILLIMETRES
     document.header["$MEASUREMENT"] = METRIC
     return document
-
-
-def _layer(document: Drawing, name: str) -> None:
-    layer = document.layers.add(name, color=COLOURS[name])
-    if name == BRIDGES:
-        layer.freeze()
-        layer.dxf.plot = 0
 
 
 @contextmanager
@@ -85,18 +78,15 @@ def _without_clock() -> Generator[None]:
         options.write_fixed_meta_data_for_testing = before
 
 
-def _add(space: Modelspace, version: DxfVersion, layer: str, loop: Loop) -> None:
+def _add_loop(space: Modelspace, version: DxfVersion, loop: Loop, attributes: dict[str, Any]) -> None:
     """One closed entity."""
-    attributes: dict[str, Any] = {"layer": layer}
     first = loop.segments[0]
     if isinstance(first, Circle):
         space.add_circle(first.centre, first.radius, dxfattribs=attributes)
         return
     points = [point for segment in with_arcs(loop, ARC_TOL_MM).segments for point in _vertices(segment)]
-    if version == "r12":
-        space.add_polyline2d(points, format="xyb", close=True, dxfattribs=attributes)
-    else:
-        space.add_lwpolyline(points, format="xyb", close=True, dxfattribs=attributes)
+    add = space.add_polyline2d if version == "r12" else space.add_lwpolyline
+    add(points, format="xyb", close=True, dxfattribs=attributes)
 
 
 def _vertices(segment: Segment) -> list[tuple[float, float, float]]:
@@ -106,3 +96,15 @@ def _vertices(segment: Segment) -> list[tuple[float, float, float]]:
     pieces = segment.flatten(RISE_MM)
     bulge = math.tan(segment.sweep_rad / len(pieces) / 4)
     return [(x, y, bulge) for x, y in pieces]
+
+
+def _add_bridges(document: Drawing, version: DxfVersion, bridges: Iterable[Bridge]) -> None:
+    """Centre lines as wide as the bars, which no reader can take for an outline, on a frozen layer."""
+    layer = document.layers.add(BRIDGES, color=COLOURS[BRIDGES])
+    layer.freeze()
+    layer.dxf.plot = 0
+    space = document.modelspace()
+    add = space.add_polyline2d if version == "r12" else space.add_lwpolyline
+    for bridge in bridges:
+        ends = [(*end, bridge.width_mm, bridge.width_mm) for end in (bridge.start, bridge.end)]
+        add(ends, format="xyse", dxfattribs={"layer": BRIDGES})
