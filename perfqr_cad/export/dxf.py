@@ -31,6 +31,7 @@ OUTLINE, HOLES, ENGRAVE, BRIDGES = "OUTLINE", "HOLES", "ENGRAVE", "BRIDGES"
 COLOURS = {OUTLINE: 7, HOLES: 1, ENGRAVE: 5, BRIDGES: 3}
 MILLIMETRES = 4  # $INSUNITS
 METRIC = 1  # $MEASUREMENT
+MARGIN = 1.1  # height of the first view over that of the part
 ARC_TOL_MM = 0.002  # a fiftieth of a narrow laser's kerf
 # Greatest rise of an arc over its chord: readers that drop bulges, as OpenSCAD does, are no farther off.
 RISE_MM = 0.05
@@ -44,7 +45,7 @@ def write(design: DesignView, path: Path, *, version: DxfVersion = "r2000", brid
     """
     work = cut(design)
     with _without_clock():
-        document = _document(version)
+        document = _document(version, work.outline)
         for name, loops in ((ENGRAVE, work.engrave), (HOLES, work.holes), (OUTLINE, (work.outline,))):
             if loops:
                 document.layers.add(name, color=COLOURS[name])
@@ -55,13 +56,18 @@ def write(design: DesignView, path: Path, *, version: DxfVersion = "r2000", brid
         document.saveas(path)
 
 
-def _document(version: DxfVersion) -> Drawing:
+def _document(version: DxfVersion, outline: Loop) -> Drawing:
+    """An empty drawing that opens with the outline in view."""
     from ezdxf.document import Drawing
 
     document = Drawing.new(RELEASES[version])  # ezdxf.new() logs a warning that R12 has no unit
     if version != "r12":
         document.units = MILLIMETRES
     document.header["$MEASUREMENT"] = METRIC
+    corners = outline.flatten()
+    (left, low), (right, high) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    document.modelspace().reset_extents((left, low, 0.0), (right, high, 0.0))
+    document.set_modelspace_vport(MARGIN * (high - low), ((left + right) / 2, (low + high) / 2))
     return document
 
 

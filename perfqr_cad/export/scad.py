@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 CURVE_TOL_MM = 0.01  # chord error of flattened curves: a fifth of a thin layer
 GREATEST_SCALE = 4  # of the customizer's range; never below 1, where webs would be too thin
 ROW = 6  # entries on a line
+BACKING = "backing"  # name of the one body behind that is an extrusion too
 
 PLAIN = """linear_extrude(height = thickness, convexity = 10) pattern();
 """
@@ -40,7 +41,8 @@ LETTERED = """difference() {
 def write(design: DesignView, path: Path) -> None:
     """Write a source file that OpenSCAD 2015 and later renders and offers in its customizer."""
     title = " ".join(design.solid.name.split())
-    body = _extrusion(design) if is_extrusion(design) else _polyhedra(design)
+    extruded = is_extrusion(design) and all(extra.name == BACKING for extra in design.solid.extras)
+    body = _extrusion(design) if extruded else _polyhedra(design)
     path.write_text(f"// {title}: a perforated QR code. Units: mm.\n\n{body}", "utf-8")
 
 

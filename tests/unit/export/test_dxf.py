@@ -56,6 +56,8 @@ def test_one_loop_is_one_closed_entity(plate, tmp_path, version):
     assert found == [("CIRCLE", "HOLES"), (polyline, "HOLES"), (polyline, "HOLES"), (polyline, "OUTLINE")]
     assert document.dxfversion == {"r12": "AC1009", "r2000": "AC1015"}[version]
     assert version == "r12" or document.header["$INSUNITS"] == 4
+    extents = document.header["$EXTMIN"][:2], document.header["$EXTMAX"][:2]
+    assert extents == ((-10, -5), (10, 5))
 
 
 @VERSIONS
