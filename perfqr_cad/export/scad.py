@@ -70,7 +70,7 @@ drawn_size = {width:.9g};
 {_polygon("pattern", loops)}
 {_polygon("plate", (loops[0], *_mounts(design)))}
 {_polygon("letters", letters) if letters else ""}
-{LETTERED if letters else PLAIN}
+color({_colour(design.solid)}) {LETTERED if letters else PLAIN}
 if (backing > 0) color({colour}) translate([0, 0, -gap - backing]) linear_extrude(height = backing) plate();
 """
 
@@ -117,7 +117,7 @@ factor = 1; // [1:0.05:{GREATEST_SCALE}]
 {shown}
 /* [Hidden] */
 {bodies}
-scale(factor) part();
+color({_colour(design.solid)}) scale(factor) part();
 {behind}"""
 
 

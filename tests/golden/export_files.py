@@ -44,6 +44,7 @@ def part() -> SimpleNamespace:
         placement=SimpleNamespace(is_flat=True, thickness_mm=THICKNESS_MM),
         solid=SimpleNamespace(
             name="golden plate",
+            colour=(0.92, 0.92, 0.9),
             volume_mm3=region.area * THICKNESS_MM + ring.area * RELIEF_MM,
             letters=(ring,),
             relief_mm=RELIEF_MM,

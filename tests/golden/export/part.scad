@@ -60,7 +60,7 @@ module letters() {
     scale(size / drawn_size) polygon(letters_points, letters_paths, convexity = 10);
 }
 
-difference() {
+color([0.92,0.92,0.9]) difference() {
     union() {
         linear_extrude(height = thickness, convexity = 10) pattern();
         if (relief > 0) translate([0, 0, thickness]) linear_extrude(height = relief) letters();
