@@ -218,6 +218,20 @@ class Request:
     )
     seed: int = setting(0, "seed of everything random", group="Proof", range=(0, 2**32 - 1))
 
+    dxf: str = setting(
+        "r2000",
+        "version of DXF files",
+        group="Files",
+        choices=("r2000", "r12:for old programs"),
+    )
+    dxf_bridges: bool = setting(False, "draw bridges in DXF files, on a frozen layer", group="Files")
+    svg: str = setting(
+        "filled",
+        "kind of SVG files",
+        group="Files",
+        choices=("filled:a picture", "cut:hairlines in the colours of a cutter"),
+    )
+
     def __post_init__(self) -> None:
         if (self.text is None) == (self.image is None):
             raise DesignError("give either a text or a picture (--image FILE), not both and not neither")

@@ -74,7 +74,9 @@ def build_profile(
         placement.thickness_mm, walls, whole_circles=chart_of(placement).whole_circles
     )
     solid = _assembled(sections, placement, chord_mm)
-    return replace(solid, notes=notes, name=name, colour=colour)
+    return replace(
+        solid, notes=notes, name=name, colour=colour, letters=profile.letters, relief_mm=profile.relief_mm
+    )
 
 
 def back(

@@ -66,7 +66,7 @@ def design(code):
     dark = symbol.matrix.dark.copy()
     dark[12, 12] ^= True
     bridge = Bridge((1.5, -2.0), (2.5, -2.0), 0.4, "structural", 1.0)
-    pattern = Coded(code.pattern.region, (bridge,), symbol, Matrix(dark))
+    pattern = Coded(code.pattern.region, (bridge,), symbol=symbol, observed=Matrix(dark))
     facts = {
         "payload": "TEXT & <more>",
         "symbol": {"version": 1, "level": "M"},
