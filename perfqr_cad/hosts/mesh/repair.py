@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry import Triangles
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.triangles import directed_edges
 from perfqr_cad.hosts.body import weld
@@ -158,7 +157,7 @@ def _bodies(mesh: Triangles) -> list[Triangles]:
     return [solid[k].joined(*own) if own else solid[k] for k, own in cavities.items()]
 
 
-def _compact(mesh: Triangles, chosen: NDArray[np.bool_]) -> Triangles:
+def _compact(mesh: Triangles, chosen: Mask) -> Triangles:
     used, index = np.unique(mesh.faces[chosen], return_inverse=True)
     return Triangles(mesh.vertices[used], index.reshape(-1, 3))
 
@@ -218,7 +217,7 @@ def self_crossings(mesh: Triangles) -> int:
     return int(pierced.sum())
 
 
-def _pierces(mesh: Triangles, triangle: Indices, start: Array, span: Array) -> NDArray[np.bool_]:
+def _pierces(mesh: Triangles, triangle: Indices, start: Array, span: Array) -> Mask:
     """Whether segments cross triangles, strictly inside both.
 
     Möller and Trumbore in double precision; the ray caster's single precision only proposes.
