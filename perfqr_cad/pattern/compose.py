@@ -12,13 +12,13 @@ from perfqr_cad.pattern.cells.canvas import Canvas
 from perfqr_cad.pattern.cells.corners import link_corners
 from perfqr_cad.pattern.cells.lattice import Cells, draw, label
 from perfqr_cad.pattern.cells.tidy import fill_slivers, tidy
-from perfqr_cad.pattern.drawing.finish import Job, finish, mended, numbered_pieces
+from perfqr_cad.pattern.drawing.outline import mended, numbered_pieces
 from perfqr_cad.pattern.drawing.size import least_dot_mm, module_size, rounded_up
 from perfqr_cad.pattern.drawing.style import is_drawn, shaped_modules, shapes
 from perfqr_cad.pattern.joining.connect import join
 from perfqr_cad.pattern.joining.paper import join_paper
 from perfqr_cad.pattern.joining.rings import tie_rings
-from perfqr_cad.pattern.pattern import Pattern
+from perfqr_cad.pattern.pattern import Origin, Pattern, finish
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.symbol import Matrix, Readability, Symbol, readability
 
@@ -58,7 +58,7 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     canvas, sound = rejoined(canvas, symbol, spec, scale, right_solid)
     if not sound:
         canvas, sound = mended(canvas, spec)
-    return finish(canvas, Job(symbol, spec, islands, reason, optimality, losses), sound)
+    return finish(canvas, Origin(symbol, spec, islands, reason, optimality, losses), sound)
 
 
 def _islands(canvas: Canvas, scale: int) -> int:

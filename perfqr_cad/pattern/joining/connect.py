@@ -22,8 +22,7 @@ from perfqr_cad.pattern.cells.lattice import Cells, Labels, label
 from perfqr_cad.pattern.joining.brush import Field, brush_grid, brush_positions, held_positions
 from perfqr_cad.pattern.joining.junctions import cheapest_without_loss
 from perfqr_cad.pattern.joining.routing import Route, Router
-from perfqr_cad.pattern.joining.spanning import Conflict, Link, cheapest, kruskal
-from perfqr_cad.pattern.pattern import Optimality
+from perfqr_cad.pattern.joining.spanning import Conflict, Link, Optimality, cheapest, kruskal
 from perfqr_cad.symbol import Role, Symbol, layout
 
 AREA_PRICE = 0.06  # expected misread modules that a module's area of change is worth: appearance comes last

@@ -17,8 +17,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
-from perfqr_cad.pattern.joining.spanning import PRICE_TOL, Forest, Link, kruskal, proved
-from perfqr_cad.pattern.pattern import Optimality
+from perfqr_cad.pattern.joining.spanning import PRICE_TOL, Forest, Link, Optimality, kruskal, proved
 
 LARGEST_BLOCK = 24  # junctions that branch and bound sorts out in a moment; of more, so many at a time
 

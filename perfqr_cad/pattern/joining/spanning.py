@@ -17,15 +17,22 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-
-from perfqr_cad.pattern.pattern import Optimality
 
 CODEWORD_PRICE = 1000.0  # expected misread modules: more than all links of a pattern together can cost
 MOST_PARTITIONS = 60  # of Kruskal's; the others come back as cuts where they are needed
 PRICE_TOL = 1e-7  # HiGHS's own tolerance on a constraint
+
+
+class Optimality(NamedTuple):
+    """What the solver proved about the chosen bridges."""
+
+    objective: float
+    bound: float
+    gap: float
+    seconds: float
 
 
 @dataclass(frozen=True)

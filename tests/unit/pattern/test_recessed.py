@@ -9,7 +9,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Line
 from perfqr_cad.pattern import Bridge, PatternSpec, build
 from perfqr_cad.pattern.drawing.front import joined
-from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT, SLOT
+from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT_MODULES, SLOT, as_webs
 from perfqr_cad.symbol import encode
 
 RINGS = {1: 3, 2: 4, 6: 4, 7: 9}  # finders and alignment patterns
@@ -72,7 +72,8 @@ def test_only_bars_in_pinched_slots_may_be_a_nozzle_line_wide(nozzle_mm):
     assert nozzle_mm <= min(lines) <= max(lines) < nozzle_mm + 2 * cell
     webs = [bar.width_mm for bar in pattern.recessed if not bar.pinched]
     assert min(webs) >= pattern.spec.web_mm
-    eroded = pattern.web_polygon.buffer(-0.98 * pattern.spec.web_mm / 2)
+    with_webs = joined(pattern.front, as_webs(pattern.canvas, pattern.spec)).polygon()
+    eroded = with_webs.buffer(-0.98 * pattern.spec.web_mm / 2)
     assert eroded.geom_type == "Polygon"
     assert pattern.polygon.buffer(-0.98 * pattern.spec.web_mm / 2).geom_type == "MultiPolygon"
     wide = made(nozzle_mm=nozzle_mm, size_mm=60.0)
@@ -121,7 +122,7 @@ def slot_mm(**settings):
 def test_the_slot_is_narrow_but_no_narrower_than_a_gap():
     assert slot_mm() == pytest.approx(SLOT * 1.2, abs=0.06)
     assert slot_mm(size_mm=33 * 2.4) == pytest.approx(DARK_MM, abs=0.2)  # a cell
-    assert slot_mm(size_mm=33 * 4.0) == pytest.approx(LEAST_SLOT * 4.0, abs=0.06)
+    assert slot_mm(size_mm=33 * 4.0) == pytest.approx(LEAST_SLOT_MODULES * 4.0, abs=0.06)
     assert slot_mm(min_gap_mm=1.0) >= 1.0
 
 
