@@ -35,6 +35,11 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     """The pattern of a symbol in one piece; `art` replaces the plain modules by a picture's own.
 
     DesignError when the size is too small for the nozzle, or the result could not be read.
+
+    >>> from perfqr_cad.symbol import encode
+    >>> pattern = build(encode("HELLO"), PatternSpec(size_mm=40))
+    >>> pattern.size_mm, pattern.polygon.geom_type, pattern.readability.total
+    (40.0, 'Polygon', 0.0)
     """
     solid_is_dark = spec.tone == "inverted"
     right_solid = symbol.matrix.dark == solid_is_dark

@@ -46,6 +46,7 @@ def _row(row: Row, out: Path) -> tuple[object, ...]:
     ours = reinforced - begin
     return (
         row.name, captured.matrix.version, pattern.size_mm, pattern.islands_before, connected - begin,
-        row.connectivity_s, len(pattern.bridges), reinforced - connected, row.structural_s, len(strong.bridges), strong.status,
+        row.connectivity_s, len(pattern.bridges), reinforced - connected, row.structural_s,
+        len(strong.bridges), strong.status,
         (row.connectivity_s + row.structural_s) / ours,
     )  # fmt: skip

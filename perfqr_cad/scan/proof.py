@@ -60,7 +60,11 @@ class Schedule:
         ]
 
     def views(self) -> list[View]:
-        """Every view, the frontal one once."""
+        """Every view, the frontal one once.
+
+        >>> [(view.tilt_deg, view.azimuth_deg) for view in Schedule((0.0, 30.0), (65.0, 205.0)).views()]
+        [(0.0, 65.0), (30.0, 65.0), (30.0, 205.0)]
+        """
         return [
             View(tilt, azimuth, size_px=self.size_px)
             for tilt in self.tilts_deg

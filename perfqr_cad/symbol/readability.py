@@ -54,7 +54,14 @@ class Readability:
 
 
 def readability(observed: Matrix, symbol: Symbol) -> Readability:
-    """L(Q) of the modules seen, Q, against the correct symbol, Q₀. SymbolError when the sizes differ."""
+    """L(Q) of the modules seen, Q, against the correct symbol, Q₀. SymbolError when the sizes differ.
+
+    >>> from perfqr_cad.symbol import encode
+    >>> symbol = encode("HELLO", level="H")
+    >>> seen = readability(symbol.matrix.flipped([(20, 20)]), symbol)
+    >>> seen.errors, seen.capacity, round(seen.total, 4)
+    ((1,), (8,), 0.0156)
+    """
     _check_same_size(observed, symbol)
     at = layout(symbol.version, symbol.level)
     wrong = observed.dark ^ symbol.matrix.dark
