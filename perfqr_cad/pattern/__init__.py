@@ -1,4 +1,8 @@
-"""The 2-D design in millimetres: outlines, islands, bridges."""
+"""The 2-D design in millimetres: outlines, islands, bridges.
+
+Symbol and art come in, one `Pattern` goes out, drawn in `cells`, made one piece in `joining`, given its outline
+in `drawing`. Nothing here knows of thickness but the height of a recessed bar, nor of where the code will lie.
+"""
 
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.compose import build

@@ -1,4 +1,8 @@
-"""The simulated camera and the panel of decoders: proof that a part scans, before it is made."""
+"""The simulated camera and the panel of decoders: proof that a part scans, before it is made.
+
+Triangles or a pattern come in, a `ScanReport` goes out: `camera` makes pictures, `decoding` reads them, the
+modules here decide what is filmed and what it proves. Nothing here builds or changes a part.
+"""
 
 from __future__ import annotations
 

@@ -181,13 +181,3 @@ class ReadabilityTracker:
         """The modules as they stand."""
         wrong = np.frombuffer(bytes(self._wrong), np.uint8).reshape(self._size, self._size)
         return Matrix(self.symbol.matrix.dark ^ wrong.astype(np.bool_))
-
-    def copy(self) -> ReadabilityTracker:
-        """An independent tracker in the same state."""
-        twin = object.__new__(ReadabilityTracker)
-        twin.__dict__.update(self.__dict__)
-        twin._wrong = bytearray(self._wrong)
-        twin._wrong_in_codeword = self._wrong_in_codeword.copy()
-        twin._wrong_in_region = self._wrong_in_region.copy()
-        twin._errors = self._errors.copy()
-        return twin

@@ -1,8 +1,12 @@
 """A plate before its solid exists: the sections that a pattern and its walls would have.
 
 The search for good walls tries many plates. What the camera needs of a plate is its sections, and those
-follow from the outline: walls that flare set every edge back, by as much as the webs bear. Distances are
-measured on pictures, to a fraction of a pixel; the finished solid is filmed for itself.
+follow from the outline: walls that flare set every edge back, by as much as the webs allow. The finished
+solid is filmed for itself.
+
+The rule is that of `profile.flare`: both sides of a web give way alike, until half the least web is left.
+There webs are measured between segments and whole edges set back, exactly; here distances are taken pixel by
+pixel, to a fraction of one. So the two share the rule and no step of it.
 """
 
 from __future__ import annotations
@@ -63,44 +67,44 @@ def plate_scene(
 
 
 @dataclass(frozen=True)
-class _Walls:
+class _WallPictures:
     """Walls of a plate as pictures (n, n).
 
     front    material of the front face, 0 to 1
     inside   distance of the material from the nearest hole, in pixels
-    bears    how far the nearest wall may be set back at most, in pixels
+    room     how far the nearest wall may be set back at most, in pixels
     """
 
     front: Picture
     inside: Picture
-    bears: Picture
+    room: Picture
 
     def section(self, share: float) -> Picture:
         """Material where the walls have given way by this share of what they do at the back."""
         if share == 0:
             return self.front
-        left = np.clip(self.inside - np.float32(share) * self.bears + np.float32(0.5), 0, 1)
+        left = np.clip(self.inside - np.float32(share) * self.room + np.float32(0.5), 0, 1)
         return np.minimum(left, self.front)
 
 
-def _walls(pattern: Pattern, edge_mm: float, flare_mm: float) -> _Walls:
+def _walls(pattern: Pattern, edge_mm: float, flare_mm: float) -> _WallPictures:
     loops = [loop.flatten() for region in pattern.front for loop in region.loops]
     front = _picture(loops, edge_mm, SECTION_PX)
     if flare_mm == 0:
-        return _Walls(front, front, 0 * front)
+        return _WallPictures(front, front, 0 * front)
     fine_px = FINER * SECTION_PX
     per_mm = fine_px / edge_mm
     # The plate is taken to go on beyond its outer edge, which stays upright.
     plain = _picture([pattern.front[0].outer.flatten()], edge_mm, fine_px)
     solid = 1 + _picture(loops, edge_mm, fine_px) - plain > 0.5
     inside = _distance(solid)
-    bears = np.zeros_like(inside)
+    room = np.zeros_like(inside)
     for flare_px in np.linspace(0, flare_mm * per_mm, STEPS + 1)[1:]:
-        # Discs that keep half the least web when shrunk by this flare; what they cover can bear it.
+        # Discs that keep half the least web when shrunk by this flare; what they cover has room for it.
         radius = flare_px + pattern.spec.web_mm * per_mm / 2
-        bears[_distance(inside < radius) <= radius] = flare_px
-    bears[_picture(_upright(pattern, flare_mm), edge_mm, fine_px) > 0.5] = 0
-    return _Walls(front, _halved(inside), _halved(bears))
+        room[_distance(inside < radius) <= radius] = flare_px
+    room[_picture(_upright(pattern, flare_mm), edge_mm, fine_px) > 0.5] = 0
+    return _WallPictures(front, _halved(inside), _halved(room))
 
 
 def _distance(mask: NDArray[np.bool_]) -> Picture:
