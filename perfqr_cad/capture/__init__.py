@@ -1,6 +1,6 @@
 """From a picture of a QR code to its modules, its damage and its art.
 
-Steps: `image` opens the file, `seeds` and `finders` guess a place, `register` and `warp` fit a grid, `sampling`
+`image` opens the file, `seeds` and `finders` guess a place, `register` and `warp` fit a grid, `sampling`
 weighs the modules, `art` tells the shapes. What modules mean is decided in `symbol`, not here.
 """
 

@@ -1,7 +1,7 @@
 """The 2-D design in millimetres: outlines, islands, bridges.
 
-Symbol and art come in, one `Pattern` goes out, drawn in `cells`, made one piece in `joining`, given its outline
-in `drawing`. Nothing here knows of thickness but the height of a recessed bar, nor of where the code will lie.
+Symbol and art come in, one `Pattern` goes out: painted in `cells`, made one piece in `joining`, outlined in
+`drawing`. Nothing here knows where the code will lie, nor of thickness but the height of a recessed bar.
 """
 
 from perfqr_cad.pattern.bridge import Bridge

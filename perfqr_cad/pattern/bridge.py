@@ -46,8 +46,18 @@ class Bridge:
         dx, dy = (y1 - y0) * reach, (x0 - x1) * reach  # half the width to the right
         return (x0 + dx, y0 + dy), (x1 + dx, y1 + dy), (x1 - dx, y1 - dy), (x0 - dx, y0 - dy)
 
-    def lengthened(self) -> Bridge:
-        """With half its width more at both ends, by which it is held; along x when it has no length."""
+    def lengthened(self, by_mm: float) -> Bridge:
+        """The same bar, longer by so much at both ends."""
+        (x0, y0), (x1, y1) = self.start, self.end
+        share = by_mm / math.dist(self.start, self.end)
+        dx, dy = (x1 - x0) * share, (y1 - y0) * share
+        return replace(self, start=(x0 - dx, y0 - dy), end=(x1 + dx, y1 + dy))
+
+    def overlapping(self) -> Bridge:
+        """With half its width more at both ends, by which what it joins holds it; along x if it is a point.
+
+        Not by `lengthened`, which rounds otherwise: the last digits of finished patterns would change.
+        """
         (x0, y0), (x1, y1) = self.start, self.end
         length = math.dist(self.start, self.end)
         ux, uy = ((x1 - x0) / length, (y1 - y0) / length) if length > 0 else (1.0, 0.0)

@@ -17,7 +17,7 @@ from perfqr_cad.pattern.cells.brightness import solid_part
 from perfqr_cad.pattern.cells.canvas import Canvas
 from perfqr_cad.pattern.drawing.front import joined
 from perfqr_cad.pattern.drawing.outline import check_webs, styled_front
-from perfqr_cad.pattern.joining.rings import flush_where_joined
+from perfqr_cad.pattern.joining.rings import as_webs, flush_where_joined
 from perfqr_cad.pattern.joining.spanning import Optimality
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.pattern.surround import surrounded
@@ -81,6 +81,11 @@ class Pattern:
     def polygon(self) -> Polygon:
         """The region as a shapely polygon, curves within the default tolerance."""
         return self.region.polygon()
+
+    @cached_property
+    def web_polygon(self) -> Polygon:
+        """The polygon by which the least web is judged: recessed bars count as wide as that (`as_webs`)."""
+        return joined(self.front, as_webs(self.canvas, self.spec)).polygon()
 
     def with_bridge(self, bridge: Bridge) -> Pattern:
         """The pattern with one more bridge, sampled again; see `with_bridges`."""

@@ -59,7 +59,7 @@ def exhibit(name: str, out: Path) -> Exhibit:
 @lru_cache(maxsize=1)
 def default_part() -> Exhibit:
     """What `perfqr make` gives without settings: a plain version-5 code on 60 mm."""
-    from perfqr_cad.pipeline.design import make
+    from perfqr_cad.pipeline.chain import make
 
     design = make(text=DEFAULT_TEXT, version=5, size_mm=60.0)
     pattern = design.pattern

@@ -34,14 +34,14 @@ def run(out: Path) -> Table:
 
 def _row(row: Row, out: Path) -> tuple[object, ...]:
     from perfqr_cad.capture import read
-    from perfqr_cad.structure import Pressure, reinforce
+    from perfqr_cad.structure import Case, Pressure, reinforce
     from perfqr_cad.surface import Plane
 
     captured = read(picture(row, out))
     begin = time.perf_counter()
     pattern = pattern_of(captured, row)
     connected = time.perf_counter()
-    strong = reinforce(pattern, Plane(THICKNESS_MM), load=Pressure(PRESSURE_MPA), yield_mpa=YIELD_MPA)
+    strong = reinforce(pattern, Plane(THICKNESS_MM), Case.of(Pressure(PRESSURE_MPA), yield_mpa=YIELD_MPA))
     reinforced = time.perf_counter()
     ours = reinforced - begin
     return (

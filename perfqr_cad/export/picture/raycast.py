@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.graph import components
+from perfqr_cad.geometry.triangles import directed_edges
 
 Floats = NDArray[np.floating[Any]]
 Ints = NDArray[np.int32]
@@ -235,18 +237,14 @@ def _low_discrepancy(count: int) -> Floats:
 
 def _surfaces(faces: NDArray[np.int64], normals: Floats) -> Ints:
     """Number of the smooth surface of each face: neighbours across an edge that is no crease share one."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges = np.sort(directed_edges(faces), axis=1)
     face = np.repeat(np.arange(len(faces)), 3)
     order = np.lexsort(edges.T)
     edges, face = edges[order], face[order]
     same = np.all(edges[1:] == edges[:-1], axis=1)
     a, b = face[:-1][same], face[1:][same]
     flat = np.einsum("ij,ij->i", normals[a], normals[b]) > np.cos(np.radians(CREASE_DEG))
-    links = coo_array((np.ones(flat.sum(), bool), (a[flat], b[flat])), shape=(len(faces),) * 2)
-    return connected_components(links, directed=False)[1].astype(np.int32)
+    return components(np.column_stack([a, b])[flat], len(faces)).astype(np.int32)
 
 
 def _corner_normals(faces: NDArray[np.int64], corners: Floats, surface: Ints) -> Floats:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge
     from perfqr_cad.scan import DecoderResult, FilmedView, ScanReport
     from perfqr_cad.structure import StressField
-    from perfqr_cad.structure.maps import Quantity
+    from perfqr_cad.structure.stress_maps import Quantity
 
 STAGE_TEXT = {
     "function": "finder and alignment rings (blue)",
@@ -133,7 +133,7 @@ def _maps(field: StressField, when: str, bridges: Sequence[Bridge], limits: Mapp
     """Stress and deflection side by side, each up to its limit or its own largest value."""
     from matplotlib.figure import Figure
 
-    from perfqr_cad.structure.maps import draw
+    from perfqr_cad.structure.stress_maps import draw
 
     parts: list[str] = []
     for what, name in MAPS.items():

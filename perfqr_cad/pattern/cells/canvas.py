@@ -132,7 +132,7 @@ class Canvas:
     def with_slanted(self, bridge: Bridge) -> Canvas:
         """A bar at any angle, with half its width more at both ends so that it is held by what it joins."""
         solid = self.solid.copy()
-        paint_strip(solid, [self.lattice.from_mm(point) for point in bridge.lengthened().corners()])
+        paint_strip(solid, [self.lattice.from_mm(point) for point in bridge.overlapping().corners()])
         return replace(
             self,
             lattice=self.lattice.with_solid(solid),

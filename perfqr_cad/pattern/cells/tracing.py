@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import LEAST_MM, Line, Loop, Points
+from perfqr_cad.geometry.rings import following, owners, preceding, starts_of
 from perfqr_cad.pattern.cells.lattice import Cells, Indices, checkerboards
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class Boundaries:
     def of(chains: list[Points]) -> Boundaries:
         """Boundaries of (k, 2) corners each."""
         points = np.concatenate(chains) if chains else np.empty((0, 2))
-        return Boundaries(points.astype(np.float64), _bounds(np.array([len(c) for c in chains], np.int64)))
+        return Boundaries(points.astype(np.float64), starts_of(map(len, chains)))
 
     def __len__(self) -> int:
         return len(self.bounds) - 1
@@ -47,7 +48,7 @@ class Boundaries:
     @cached_property
     def owner(self) -> Indices:
         """(k,) ring of each corner."""
-        return np.repeat(np.arange(len(self)), self.sizes)
+        return owners(self.bounds)
 
     def after(self, items: Items) -> Items:
         """For each corner the item of the corner that follows it."""
@@ -59,17 +60,11 @@ class Boundaries:
 
     @cached_property
     def _following(self) -> Indices:
-        at = np.arange(1, len(self.points) + 1)
-        full = self.sizes > 0
-        at[self.bounds[1:][full] - 1] = self.bounds[:-1][full]
-        return at
+        return following(self.bounds)
 
     @cached_property
     def _preceding(self) -> Indices:
-        at = np.arange(-1, len(self.points) - 1)
-        full = self.sizes > 0
-        at[self.bounds[:-1][full]] = self.bounds[1:][full] - 1
-        return at
+        return preceding(self.bounds)
 
     def total(self, items: Items) -> Items:
         """(rings,) sum over the corners of each ring."""
@@ -90,7 +85,7 @@ class Boundaries:
 
     def only(self, corners: Cells) -> Boundaries:
         """The rings with the given corners left, of some rings perhaps none."""
-        return Boundaries(self.points[corners], _bounds(self.total(corners).astype(np.int64)))
+        return Boundaries(self.points[corners], starts_of(self.total(corners).astype(np.int64)))
 
     def where(self, chosen: Cells, other: Boundaries) -> Boundaries:
         """The chosen rings as here, the rest as they are in `other`."""
@@ -99,7 +94,7 @@ class Boundaries:
         here = np.repeat(chosen, sizes)
         points[here] = self.points[np.repeat(chosen, self.sizes)]
         points[~here] = other.points[np.repeat(~chosen, other.sizes)]
-        return Boundaries(points, _bounds(sizes))
+        return Boundaries(points, starts_of(sizes))
 
     def polygons(self) -> Items:
         """(rings,) shapely polygons, one for each ring."""
@@ -123,10 +118,6 @@ class Boundaries:
         import shapely
 
         return np.asarray(shapely.linearrings(self.points, indices=self.owner))
-
-
-def _bounds(sizes: Indices) -> Indices:
-    return np.concatenate([[0], np.cumsum(sizes)])
 
 
 def trace(solid: Cells) -> Boundaries:

@@ -148,7 +148,7 @@ def _material(canvas: Canvas, cells: Cells) -> Any:
     if canvas.shapes:
         shape = shapely.difference(shape, shapely.union_all([Polygon(s.flatten()) for s in canvas.shapes]))
     if canvas.slanted:
-        strips = (Polygon(bridge.lengthened().corners()) for bridge in canvas.slanted)
+        strips = (Polygon(bridge.overlapping().corners()) for bridge in canvas.slanted)
         shape = shapely.union_all([shape, *strips])
     return shape
 

@@ -209,7 +209,7 @@ class _Work:
             y0, y1 = (py - half, py + half) if along_x else (min(py, qy) - width, max(py, qy) + width)
             cells[max(y0 - top, 0) : max(y1 - top, 0), max(x0 - left, 0) : max(x1 - left, 0)] = True
             return False
-        corners = [lattice.from_mm(point) for point in self._bridge(sight, 0.0).lengthened().corners()]
+        corners = [lattice.from_mm(point) for point in self._bridge(sight, 0.0).overlapping().corners()]
         paint_strip(cells, [(x - left, y - top) for x, y in corners])
         return True
 

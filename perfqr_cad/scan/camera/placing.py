@@ -76,7 +76,7 @@ def place(
     edge = edge_mm if edge_mm is not None else float((high - low)[:2].max())
     part = Part(vertices, faces, CodeFrame(centre, axes, edge), flat=False, behind=behind)
     level = behind is None and (placement is None or placement.is_flat)
-    return replace(part, flat=level and _is_plate(part.in_frame()) and _is_closed(faces))
+    return replace(part, flat=level and _is_plate(part.in_frame()) and triangles.closed)
 
 
 def _is_plate(vertices: NDArray[np.float64]) -> bool:
@@ -84,13 +84,6 @@ def _is_plate(vertices: NDArray[np.float64]) -> bool:
     levels = np.unique(np.round(vertices[:, 2], 3))
     span = np.ptp(vertices, axis=0)
     return len(levels) <= PLATE_LEVELS and span[2] < PLATE_SLENDERNESS * max(span[0], span[1])
-
-
-def _is_closed(faces: NDArray[np.int64]) -> bool:
-    """Whether every edge is passed once in either direction; only then is a section of the mesh an area."""
-    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    there, back = (np.sort(edges @ [faces.max() + 1, 1]), np.sort(edges @ [1, faces.max() + 1]))
-    return bool(np.array_equal(there, back) and np.all(there[1:] != there[:-1]))
 
 
 def load_mesh(path: Path | str) -> Triangles:

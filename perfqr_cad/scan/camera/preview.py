@@ -11,7 +11,6 @@ pixel, to a fraction of one. So the two share the rule and no step of it.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -135,12 +134,7 @@ def _upright(pattern: Pattern, reach_mm: float) -> list[NDArray[np.float64]]:
 
 def _reaching(bars: Sequence[Bridge], reach_mm: float) -> list[NDArray[np.float64]]:
     """Corners (4, 2) of bars that reach further at both ends, for walls that give way."""
-    found: list[NDArray[np.float64]] = []
-    for bar in bars:
-        corners = np.array(bar.corners())
-        further = np.subtract(bar.end, bar.start) * reach_mm / math.dist(bar.start, bar.end)
-        found.append(corners + np.outer([-1, 1, 1, -1], further))
-    return found
+    return [np.array(bar.lengthened(reach_mm).corners()) for bar in bars]
 
 
 def _picture(loops: Sequence[NDArray[np.float64]], edge_mm: float, pixels: int) -> Picture:

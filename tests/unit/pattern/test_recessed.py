@@ -9,7 +9,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Line
 from perfqr_cad.pattern import Bridge, PatternSpec, build
 from perfqr_cad.pattern.drawing.front import joined
-from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT_MODULES, SLOT, as_webs
+from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT_MODULES, SLOT
 from perfqr_cad.symbol import encode
 
 RINGS = {1: 3, 2: 4, 6: 4, 7: 9}  # finders and alignment patterns
@@ -72,8 +72,7 @@ def test_only_bars_in_pinched_slots_may_be_a_nozzle_line_wide(nozzle_mm):
     assert nozzle_mm <= min(lines) <= max(lines) < nozzle_mm + 2 * cell
     webs = [bar.width_mm for bar in pattern.recessed if not bar.pinched]
     assert min(webs) >= pattern.spec.web_mm
-    with_webs = joined(pattern.front, as_webs(pattern.canvas, pattern.spec)).polygon()
-    eroded = with_webs.buffer(-0.98 * pattern.spec.web_mm / 2)
+    eroded = pattern.web_polygon.buffer(-0.98 * pattern.spec.web_mm / 2)
     assert eroded.geom_type == "Polygon"
     assert pattern.polygon.buffer(-0.98 * pattern.spec.web_mm / 2).geom_type == "MultiPolygon"
     wide = made(nozzle_mm=nozzle_mm, size_mm=60.0)
