@@ -57,7 +57,7 @@ def join(
         return canvas, Optimality(0.0, 0.0, 0.0, 0.0)
     lattice = canvas.lattice
     brush, step = lattice.whole(web_mm), brush_step(lattice.per_module, scale)
-    canvas, labels, held = stand_on_grid(canvas, labels, count, brush, step)
+    canvas, labels, held = widened_to_grid(canvas, labels, count, brush, step)
     grid = brush_grid(labels, held, cell_price(canvas, symbol, solid_is_dark), brush, step)
     router = Router(grid, LENGTH_PRICE * AREA_PRICE * brush * step / lattice.per_module**2, BAR_PRICE)
     pairs = router.pairs()
@@ -103,10 +103,10 @@ def brush_step(per_module: int, scale: int) -> int:
     return min(half * math.ceil(per_module / MOST_STEPS / half), per_module // LEAST_STEPS)
 
 
-def stand_on_grid(
+def widened_to_grid(
     canvas: Canvas, labels: Labels, count: int, brush: int, step: int
 ) -> tuple[Canvas, Labels, Cells]:
-    """Widens the islands on which the brush has no position on its grid, so that it has.
+    """The islands on which the brush has no position on its grid widened, so that it has.
 
     Returns the positions, too, on which the brush is held.
     """

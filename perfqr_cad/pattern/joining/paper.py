@@ -1,10 +1,9 @@
 """The paper's own connectivity optimisation (§5.1, Eq. (4), Fig. 8): the baseline of every comparison.
 
 Points p on the contour of each island look out in a fan of directions; what they see first, q, is a
-candidate.
-From an island picked at random the piece grows: each time the cheapest of λ·L(Q) + ‖p − q‖² is laid, and Q
-is sampled again. The paper names no unit of length; here it is the edge of the symbol, so that both terms lie
-between 0 and 1 and λ = 1 weighs them alike.
+candidate. From an island picked at random the piece grows: each time the cheapest of λ·L(Q) + ‖p − q‖² is
+laid, and Q is sampled again. The paper names no unit of length; here it is the edge of the symbol, so that
+both terms lie between 0 and 1 and λ = 1 weighs them alike.
 """
 
 from __future__ import annotations

@@ -115,8 +115,10 @@ def shoot(
 
 
 def _deep(distance: Picture, cover: NDArray[np.bool_], pixel_mm: float) -> NDArray[np.bool_]:
-    """Pixels of the part that lie deeper than any slope explains behind the nearest within reach of the
-    average: the far inner wall of a hollow body, seen through its holes, faces the reader as its front does.
+    """Pixels of the part that lie too deep behind their neighbours to be averaged with them.
+
+    Deeper, that is, than any slope explains: the far inner wall of a hollow body, seen through its holes,
+    faces the reader as its front does.
     """
     from scipy.ndimage import minimum_filter
 
