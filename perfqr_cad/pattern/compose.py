@@ -10,11 +10,11 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.cells.brightness import solid_part
 from perfqr_cad.pattern.cells.canvas import Canvas
 from perfqr_cad.pattern.cells.corners import link_corners
-from perfqr_cad.pattern.cells.lattice import Cells, draw, label
+from perfqr_cad.pattern.cells.lattice import Cells, label, rasterised
 from perfqr_cad.pattern.cells.tidy import fill_slivers, tidy
-from perfqr_cad.pattern.drawing.outline import mended, numbered_pieces
+from perfqr_cad.pattern.drawing.contours import mended, numbered_pieces
 from perfqr_cad.pattern.drawing.size import least_dot_mm, module_size, rounded_up
-from perfqr_cad.pattern.drawing.style import is_drawn, shaped_modules, shapes
+from perfqr_cad.pattern.drawing.style import is_drawn, shaped_modules, style_holes
 from perfqr_cad.pattern.joining.connect import join
 from perfqr_cad.pattern.joining.paper import join_paper
 from perfqr_cad.pattern.joining.rings import tie_rings
@@ -142,12 +142,12 @@ def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float)
                 f"style {spec.style} draws holes, and with --tone inverted holes are light: use square"
             )
         ground = symbol.matrix.dark & ~shaped_modules(symbol)
-        lattice = draw(~ground, 1, spec.quiet_modules, module_mm, frame=True)
+        lattice = rasterised(~ground, 1, spec.quiet_modules, module_mm, frame=True)
         canvas = Canvas(lattice, lattice.solid, lattice.solid)
-        return canvas.with_shapes(shapes(symbol, spec, lattice))
+        return canvas.with_shapes(style_holes(symbol, spec, lattice))
     dark = symbol.matrix.dark if art is None else art.dark
     scale = dark.shape[0] // symbol.size
-    lattice = draw(dark == inverted, scale, spec.quiet_modules, module_mm, frame=not inverted)
+    lattice = rasterised(dark == inverted, scale, spec.quiet_modules, module_mm, frame=not inverted)
     smooth_mm = 0.0
     if art is not None and art.kind == "freeform" and spec.contour == "smooth":
         smooth_mm = module_mm / art.scale

@@ -15,8 +15,8 @@ from perfqr_cad.geometry.outline import Region
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.cells.brightness import solid_part
 from perfqr_cad.pattern.cells.canvas import Canvas
-from perfqr_cad.pattern.drawing.front import joined
-from perfqr_cad.pattern.drawing.outline import check_webs, styled_front
+from perfqr_cad.pattern.drawing.contours import check_webs, styled_front
+from perfqr_cad.pattern.drawing.front import front_with_bars
 from perfqr_cad.pattern.joining.rings import as_webs, flush_where_joined
 from perfqr_cad.pattern.joining.spanning import Optimality
 from perfqr_cad.pattern.spec import PatternSpec
@@ -85,7 +85,7 @@ class Pattern:
     @cached_property
     def web_polygon(self) -> Polygon:
         """The polygon by which the least web is judged: recessed bars count as wide as that (`as_webs`)."""
-        return joined(self.front, as_webs(self.canvas, self.spec)).polygon()
+        return front_with_bars(self.front, as_webs(self.canvas, self.spec)).polygon()
 
     def with_bridge(self, bridge: Bridge) -> Pattern:
         """The pattern with one more bridge, sampled again; see `with_bridges`."""
@@ -139,7 +139,7 @@ def finish(canvas: Canvas, origin: Origin | Pattern, webs_hold: bool = False) ->
         spec=spec,
         module_mm=lattice.module_mm,
         quiet_modules=lattice.quiet,
-        region=joined(front, canvas.recessed),
+        region=front_with_bars(front, canvas.recessed),
         front=front,
         bridges=canvas.bridges,
         islands_before=origin.islands_before,

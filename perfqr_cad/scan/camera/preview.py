@@ -24,7 +24,7 @@ from perfqr_cad.geometry.outline import Line
 from perfqr_cad.pattern.drawing.front import edge_under
 from perfqr_cad.scan.camera import layers
 from perfqr_cad.scan.camera.camera import facing_up
-from perfqr_cad.scan.camera.placing import Part
+from perfqr_cad.scan.camera.placing import FilmedPart
 from perfqr_cad.scan.camera.raster import shrunk
 from perfqr_cad.scan.camera.scene import LEAST_WEB_MM, MARGIN, SECTION_PX, STEEPEST_DEG, Scene
 from perfqr_cad.scan.camera.skylight import Picture
@@ -61,7 +61,7 @@ def plate_scene(
     kinds = list(zip(shares.tolist(), (depth_mm > thickness_mm - height_mm).tolist(), strict=True))
     sections = {kind: _bytes(walls.section(kind[0]), bars if kind[1] else None) for kind in set(kinds)}
     code = facing_up((0.0, 0.0, thickness_mm), pattern.size_mm)
-    meshless = Part(np.zeros((0, 3)), np.zeros((0, 3), np.int64), code, flat=True)
+    meshless = FilmedPart(np.zeros((0, 3)), np.zeros((0, 3), np.int64), code, flat=True)
     return Scene(meshless, sections=Stack(tuple(sections[kind] for kind in kinds), depth_mm, edge_mm))
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from perfqr_cad.scan.camera.camera import Camera
 from perfqr_cad.scan.camera.layers import Shot
 from perfqr_cad.scan.camera.look import Light
-from perfqr_cad.scan.camera.placing import Part
+from perfqr_cad.scan.camera.placing import FilmedPart
 from perfqr_cad.scan.camera.raster import smooth, warp
 from perfqr_cad.scan.camera.skylight import Picture
 
@@ -65,7 +65,7 @@ class Tracer:
         return found >= 0
 
 
-def tracer(part: Part) -> Tracer:
+def tracer(part: FilmedPart) -> Tracer:
     """Build the ray caster of a part and of what is behind it."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene

@@ -8,7 +8,7 @@ from perfqr_cad.capture import Art
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Line
 from perfqr_cad.pattern import Bridge, PatternSpec, build
-from perfqr_cad.pattern.drawing.front import joined
+from perfqr_cad.pattern.drawing.front import front_with_bars
 from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT_MODULES, SLOT
 from perfqr_cad.symbol import encode
 
@@ -177,6 +177,6 @@ def test_a_bar_that_hangs_in_the_air_is_refused():
     pattern = made()
     astray = Bridge((0.01, 0.02), (1.01, 0.02), 0.8, "function", 0.0, 0.6)
     with pytest.raises(DesignError, match="no straight edge"):
-        joined(pattern.front, [astray])
+        front_with_bars(pattern.front, [astray])
     with pytest.raises(DesignError, match="pieces are left"):
-        joined(pattern.front, [])
+        front_with_bars(pattern.front, [])

@@ -13,7 +13,7 @@ from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.cells.canvas import Canvas
 from perfqr_cad.pattern.cells.lattice import Cells, Labels, Lattice
 from perfqr_cad.pattern.cells.tracing import Boundaries, sharpened, trace
-from perfqr_cad.pattern.drawing.front import joined, regions
+from perfqr_cad.pattern.drawing.front import front_with_bars, regions
 from perfqr_cad.pattern.drawing.rounding import filleted, smoothed
 from perfqr_cad.pattern.drawing.style import ROUNDED_RADIUS
 from perfqr_cad.pattern.joining.rings import as_webs, front_cells
@@ -102,7 +102,7 @@ def _smooth(front: Sequence[Region], canvas: Canvas, spec: PatternSpec) -> Seque
     bars = as_webs(canvas, spec)
     while tolerance_mm > LEAST_SMOOTHING_MM:
         smooth = [smoothed(region, tolerance_mm, canvas.recessed) for region in front]
-        polygon = joined(smooth, bars).polygon()
+        polygon = front_with_bars(smooth, bars).polygon()
         if polygon.is_valid and len(web_pieces(polygon, spec.web_mm)) == 1:
             return smooth
         tolerance_mm /= 2
