@@ -1,9 +1,10 @@
 """Files of a finished part: one format, one module, each with `write(design, path)`.
 
-    write(design, "part.step")     one file, the suffix is the format
-    write_all(design, "out/")      everything that a maker, an engineer or a reader of the report needs
+    write(design, "part.step")           one file, the suffix is the format
+    write_outputs(design, ["out/"])      a folder with everything that a maker or an engineer needs
 
-Nothing is ever half-written: files are made in a folder beside their place and renamed into it.
+Nothing is ever half-written: files are made in a folder beside their place and renamed into it. An exporter
+reads a `DesignView` and computes nothing that a certificate would state.
 """
 
 from __future__ import annotations
@@ -101,21 +102,13 @@ def write(design: DesignView, path: str | Path, options: Options = DEFAULT) -> F
     return _write(design, [Path(path)], set(), options)[0]
 
 
-def write_all(design: DesignView, folder: str | Path, options: Options = DEFAULT) -> tuple[FileRecord, ...]:
-    """Write `FILES`, the certificate last, with the sizes and hashes of the others.
-
-    The folder is made if need be. Raises `DesignError` for one that cannot be written to.
-    """
-    return write_outputs(design, [f"{folder}/"], options)
-
-
 def write_outputs(
     design: DesignView, outputs: Sequence[str | Path], options: Options = DEFAULT
 ) -> tuple[FileRecord, ...]:
     """Write several files and folders; each certificate among them lists all files that are none.
 
-    An output that ends in `/`, has no suffix or is a folder gets `FILES`. All appear or, after an error,
-    none. Raises `DesignError` as `check` does.
+    An output that ends in `/`, has no suffix or is a folder gets `FILES`, and is made if need be. All appear
+    or, after an error, none. Raises `DesignError` as `check` does.
     """
     made = {Path(output) for output in outputs if _is_folder(output)}
     return _write(design, _targets(outputs), made, options)

@@ -84,7 +84,7 @@ def _payload(pattern: Pattern) -> Promise:
 
 def _pieces(pattern: Pattern) -> Promise:
     """Pieces of the region once half the least web is taken off all around."""
-    from perfqr_cad.pattern.drawing.finish import web_pieces
+    from perfqr_cad.pattern.drawing.contours import web_pieces
 
     web_mm = pattern.spec.web_mm
     count = len(web_pieces(pattern.web_polygon, web_mm))

@@ -60,7 +60,11 @@ class Schedule:
         ]
 
     def views(self) -> list[View]:
-        """Every view, the frontal one once."""
+        """Every view, the frontal one once.
+
+        >>> [(view.tilt_deg, view.azimuth_deg) for view in Schedule((0.0, 30.0), (65.0, 205.0)).views()]
+        [(0.0, 65.0), (30.0, 65.0), (30.0, 205.0)]
+        """
         return [
             View(tilt, azimuth, size_px=self.size_px)
             for tilt in self.tilts_deg
@@ -133,7 +137,7 @@ def certify(
         )
         for name in panel.names
     }  # fmt: skip
-    worst, first = _telling(scene, views, look, read, panel.names, seed)
+    worst, first = _extremes(scene, views, look, read, panel.names, seed)
     inverted = pattern is not None and pattern.spec.tone == "inverted"
     light, dark = (look.ground, look.material) if inverted else (look.material, look.ground)
     warning = contrast_warning(contrast(light, dark), inverted=inverted)
@@ -258,7 +262,7 @@ def _backgrounds(
     return rates
 
 
-def _telling(
+def _extremes(
     scene: Scene,
     views: Sequence[View],
     look: Look,
@@ -267,25 +271,23 @@ def _telling(
     seed: int,
 ) -> tuple[FilmedView | None, FilmedView | None]:
     """The steepest view that all frontal readers still read, and the first that one of them misses."""
-    readers = read[0]
+    frontal = read[0]
     worst: int | None = None
     first: int | None = None
     for k in np.argsort([view.tilt_deg for view in views], kind="stable"):
-        if readers and readers <= read[k]:
+        if frontal and frontal <= read[k]:
             worst = int(k)
         elif first is None:
             first = int(k)
 
-    def sight(k: int | None) -> FilmedView | None:
+    def filmed(k: int | None) -> FilmedView | None:
         if k is None:
             return None
-        missed = tuple(name for name in names if name not in read[k])
         picture = scene.photo(views[k], look, seed=_seed(seed, k, 0))
-        return FilmedView(
-            picture, views[k].tilt_deg, views[k].azimuth_deg, tuple(n for n in names if n in read[k]), missed
-        )
+        readers = tuple(name for name in names if name in read[k])
+        return FilmedView(picture, views[k].tilt_deg, views[k].azimuth_deg, readers)
 
-    return sight(worst), sight(first)
+    return filmed(worst), filmed(first)
 
 
 def _text(payload: str | bytes) -> str | None:

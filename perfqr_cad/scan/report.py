@@ -65,7 +65,6 @@ class FilmedView:
     tilt_deg: float
     azimuth_deg: float
     read_by: tuple[str, ...]
-    missed_by: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -110,12 +109,6 @@ class ScanReport:
             "advice": list(self.advice),
             "warnings": list(self.warnings),
         }
-
-    def heat_map(self) -> NDArray[np.uint8]:
-        """Decoders x tilts as a picture (H, W, 3): part on the left, flat print on the right."""
-        from perfqr_cad.scan.heatmap import draw
-
-        return draw(tuple(self.decoders.values()))
 
     def render(self) -> str:
         """The report as plain text."""

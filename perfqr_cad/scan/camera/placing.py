@@ -23,7 +23,7 @@ PLATE_SLENDERNESS = 0.25  # thickness over width: thicker than this, it is a blo
 
 
 @dataclass(frozen=True)
-class Part:
+class FilmedPart:
     """Vertices (k, 3) mm and faces (m, 3) of a closed mesh, the code it shows, and whether it is a plate.
 
     behind   a body of the ground's colour behind the code: no part of the part, but seen through its holes
@@ -55,7 +55,7 @@ def place(
     *,
     edge_mm: float | None = None,
     behind: Triangles | None = None,
-) -> Part:
+) -> FilmedPart:
     """The part in front of the camera.
 
     Without a placement the code is taken to lie on the top (largest z) of the mesh, centred on its
@@ -74,7 +74,7 @@ def place(
     else:
         centre, axes = placement.point((0.0, 0.0))[0], placement.reader_axes()
     edge = edge_mm if edge_mm is not None else float((high - low)[:2].max())
-    part = Part(vertices, faces, CodeFrame(centre, axes, edge), flat=False, behind=behind)
+    part = FilmedPart(vertices, faces, CodeFrame(centre, axes, edge), flat=False, behind=behind)
     level = behind is None and (placement is None or placement.is_flat)
     return replace(part, flat=level and _is_plate(part.in_frame()) and triangles.closed)
 

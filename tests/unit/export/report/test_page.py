@@ -84,7 +84,7 @@ def filmed(design):
         "zbar": DecoderResult("zbar", (0.0, 30.0), (1.0, 0.5), (1.0, 1.0)),
         "OpenCV": DecoderResult("OpenCV", (0.0, 30.0), (0.0, 0.0), (1.0, 1.0)),
     }
-    missed = FilmedView(grey, 30.0, 90.0, (), ("zbar", "OpenCV"))
+    missed = FilmedView(grey, 30.0, 90.0, ())
     return replace(
         design,
         scan=ScanReport("TEXT", results, {"black": 0.95}, first_missed=missed, advice=("thin the bridge",)),
