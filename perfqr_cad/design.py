@@ -209,9 +209,8 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
     """
     from perfqr_cad import scan
     from perfqr_cad.solid import mesh_step
-    from perfqr_cad.solid.meshtarget import read_mesh
 
-    return scan.part(path, text, mesh_step=mesh_step, mesh_3mf=read_mesh)
+    return scan.part(path, text, mesh_step=mesh_step)
 
 
 def _source(request: Request, spec: PatternSpec) -> tuple[Capture | None, Symbol]:

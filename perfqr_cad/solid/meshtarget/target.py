@@ -69,7 +69,7 @@ class MeshTarget:
     @cached_property
     def outer(self) -> Triangles:
         """The mended, scaled body. Raises `KernelError` or `DesignError` for what cannot be mended."""
-        from perfqr_cad.solid.meshtarget.reader import read_mesh
+        from perfqr_cad.surface.mesh_files import read_mesh
         from perfqr_cad.solid.meshtarget.repair import mend
 
         if self.mesh is None and not self.path:
