@@ -21,8 +21,8 @@ from perfqr_cad.errors import (
 
 if TYPE_CHECKING:
     from perfqr_cad.capture import read
-    from perfqr_cad.design import Design, Request, make
-    from perfqr_cad.solid.frontends import PerforatedQR
+    from perfqr_cad.frontends import PerforatedQR
+    from perfqr_cad.pipeline.design import Design, Request, make
 
 __version__ = "0.1.0"
 
@@ -43,10 +43,10 @@ __all__ = [
 
 # Names that pull in numerical libraries are loaded on first use, so that importing the package is instant.
 _LAZY = {
-    "Design": "perfqr_cad.design",
-    "PerforatedQR": "perfqr_cad.solid.frontends",
-    "Request": "perfqr_cad.design",
-    "make": "perfqr_cad.design",
+    "Design": "perfqr_cad.pipeline.design",
+    "PerforatedQR": "perfqr_cad.frontends",
+    "Request": "perfqr_cad.pipeline.design",
+    "make": "perfqr_cad.pipeline.design",
     "read": "perfqr_cad.capture",
 }
 

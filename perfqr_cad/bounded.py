@@ -48,7 +48,9 @@ def read_bytes(path: str | Path, most_bytes: int, error: type[PerfQRError], noun
         raise error(f"{_shown(path)} cannot be read ({reason}): name {noun} that can be read") from failure
     size = max(found.st_size, len(content))
     if size > most_bytes:
-        raise error(f"{_shown(path)} has {size:,} bytes or more, the limit is {most_bytes:,}: name {noun} within it")
+        raise error(
+            f"{_shown(path)} has {size:,} bytes or more, the limit is {most_bytes:,}: name {noun} within it"
+        )
     return content
 
 
@@ -58,8 +60,7 @@ def read_text(path: str | Path, most_bytes: int, error: type[PerfQRError], noun:
         return read_bytes(path, most_bytes, error, noun).decode("utf-8-sig")
     except UnicodeDecodeError as failure:
         raise error(
-            f"{_shown(path)} is no text in UTF-8 (byte {failure.start} is {failure.object[failure.start]:#04x}): "
-            f"save it in that encoding"
+            f"{_shown(path)} is no text in UTF-8 (byte {failure.start:,} is none): save it in that encoding"
         ) from failure
 
 

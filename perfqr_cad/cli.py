@@ -20,7 +20,7 @@ from perfqr_cad import __version__
 from perfqr_cad.errors import DesignError, PerfQRError
 
 if TYPE_CHECKING:
-    from perfqr_cad.catalog import Value
+    from perfqr_cad.catalog.templates import Value
     from perfqr_cad.table import Table
 
 app = typer.Typer(
@@ -157,7 +157,7 @@ def _settings(context: typer.Context) -> dict[str, Value]:
 def read(picture: Annotated[Path, typer.Argument(metavar="IMAGE")], as_json: _Json = False) -> None:
     """Read a picture of a code: payload, version, level, mask, errors per block, and L(Q)."""
     from perfqr_cad.capture import read as capture
-    from perfqr_cad.certificate import reading
+    from perfqr_cad.pipeline.certificate import reading
 
     with _progress():
         report = reading(capture(picture))
@@ -175,7 +175,7 @@ def scan(
     as_json: _Json = False,
 ) -> None:
     """Film a part from many sides and let every decoder read it."""
-    from perfqr_cad import design
+    from perfqr_cad.pipeline import design
 
     with _progress():
         report = design.scan_part(part, text)

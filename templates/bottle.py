@@ -3,8 +3,8 @@
 from build123d import Cylinder
 
 from perfqr_cad import make
-from perfqr_cad.solid.imported import ImportedFace, mesh_shape
-from perfqr_cad.templating import settings
+from perfqr_cad.catalog.settings import settings
+from perfqr_cad.hosts.step import ImportedFace, mesh_shape
 
 # [Code]
 # the text of the code

@@ -1,8 +1,8 @@
 """A code in a triangle mesh, such as the Bunny."""
 
 from perfqr_cad import make
-from perfqr_cad.solid.meshtarget import MeshTarget
-from perfqr_cad.templating import settings
+from perfqr_cad.catalog.settings import settings
+from perfqr_cad.hosts.mesh import MeshTarget
 
 # [Code]
 # the text of the code

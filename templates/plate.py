@@ -1,7 +1,7 @@
 """A flat plate with a perforated code."""
 
 from perfqr_cad import make
-from perfqr_cad.templating import settings
+from perfqr_cad.catalog.settings import settings
 
 # [Code]
 # the text of the code

@@ -1,8 +1,8 @@
 """A code in the wall of your own STEP solid."""
 
 from perfqr_cad import make
-from perfqr_cad.solid.imported import ImportedFace
-from perfqr_cad.templating import settings
+from perfqr_cad.catalog.settings import settings
+from perfqr_cad.hosts.step import ImportedFace
 
 # [Code]
 # the text of the code

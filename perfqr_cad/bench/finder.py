@@ -14,9 +14,9 @@ from perfqr_cad.pattern import PatternSpec, build
 from perfqr_cad.pattern.spec import FinderStrategy
 from perfqr_cad.progress import tell
 from perfqr_cad.scan import Look, View
-from perfqr_cad.scan.decoders import CORE, accepted
-from perfqr_cad.scan.drawn import drawn
-from perfqr_cad.scan.panel import Panel, shared
+from perfqr_cad.scan.camera.unbuilt import drawn
+from perfqr_cad.scan.decoding.decoders import CORE, accepted
+from perfqr_cad.scan.decoding.panel import Panel, shared
 from perfqr_cad.scan.proof import PATIENCE, reads
 from perfqr_cad.symbol import payload_of
 from perfqr_cad.table import Table

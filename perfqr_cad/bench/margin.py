@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.pattern.lattice import Lattice, draw
-from perfqr_cad.pattern.sampling import BLUR_SIGMA, NOISE_SIGMA, margin_left
+from perfqr_cad.pattern.cells.lattice import Lattice, draw
+from perfqr_cad.pattern.drawing.sampling import BLUR_SIGMA, NOISE_SIGMA, margin_left
 from perfqr_cad.symbol import Symbol, encode
 from perfqr_cad.table import Table
 

@@ -10,7 +10,7 @@ from typing import get_args
 
 from perfqr_cad.capture import Art, read
 from perfqr_cad.pattern import Pattern, PatternSpec, build
-from perfqr_cad.pattern.sampling import margin_left
+from perfqr_cad.pattern.drawing.sampling import margin_left
 from perfqr_cad.pattern.spec import Objective
 from perfqr_cad.progress import tell
 from perfqr_cad.symbol import Symbol, blocks, encode

@@ -6,11 +6,12 @@ import time
 from collections.abc import Callable
 from functools import partial
 
+from perfqr_cad.geometry import Triangles
 from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.scan import FULL, Look, ScanReport, Scene, View, certify, place
-from perfqr_cad.scan.camera import Camera
+from perfqr_cad.scan.camera.camera import Camera
 from perfqr_cad.solid import build as build_solid
-from perfqr_cad.surface import Plane, Triangles
+from perfqr_cad.surface import Plane
 from perfqr_cad.symbol import encode
 from perfqr_cad.table import Table
 

@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 
 from perfqr_cad.pattern import Pattern, PatternSpec, build
-from perfqr_cad.structure import MATERIALS, Pressure, Support, analyse, calculix, reinforce, verify_solid
-from perfqr_cad.structure.analysis import MESH_SIZE_MODULES, lattice_of, prepare
-from perfqr_cad.structure.bars import bar_tensors, couplings, places_under
-from perfqr_cad.structure.candidates import Allowance, Candidates
-from perfqr_cad.structure.lattice_bars import lattice_candidates
-from perfqr_cad.structure.reanalysis import Reanalysis
-from perfqr_cad.structure.solvers import Cholmod, SuperLU, cholmod
+from perfqr_cad.structure import Case, Part, Pressure, analyse, calculix, reinforce, verify_solid
+from perfqr_cad.structure.analysis import EDGE_MODULES, prepare
+from perfqr_cad.structure.elements.solvers import Cholmod, SuperLU, cholmod
+from perfqr_cad.structure.mesh.seeding import MeshSize
+from perfqr_cad.structure.reinforcement.bar_candidates import Allowance, Candidates
+from perfqr_cad.structure.reinforcement.bar_stiffness import bar_tensors, couplings, places_under
+from perfqr_cad.structure.reinforcement.lattice_bars import lattice_candidates
+from perfqr_cad.structure.reinforcement.reanalysis import Reanalysis
 from perfqr_cad.surface import Plane
 from perfqr_cad.symbol import encode
 from perfqr_cad.table import Table
@@ -43,10 +44,8 @@ def run() -> tuple[Table, Table]:
     best = Cholmod.name if cholmod() else SuperLU.name
 
     def field(solver: str, refinement: float = 1.0) -> Any:
-        size = MESH_SIZE_MODULES * pattern.module_mm / refinement
-        return analyse(
-            pattern, placement, load=PRESSURE, nozzle_mm=NOZZLE_MM, mesh_size_mm=size, solver=solver
-        )
+        edge_mm = EDGE_MODULES * pattern.module_mm / refinement
+        return analyse(pattern, placement, Case.of(PRESSURE, solver=solver), edge_mm)
 
     field(best)  # imports
     largest_s, unknowns, peak_gb = _largest(best)  # first: the peak is that of the process so far
@@ -65,10 +64,7 @@ def run() -> tuple[Table, Table]:
         lambda: reinforce(
             pattern,
             placement,
-            load=PRESSURE,
-            yield_mpa=WEAK_SHARE * answer.max_stress_mpa,
-            nozzle_mm=NOZZLE_MM,
-            solver=best,
+            Case.of(PRESSURE, yield_mpa=WEAK_SHARE * answer.max_stress_mpa, solver=best),
         )
     )
     rows.append((f"Algorithm 1: {laid.iterations} bridges, all meshes", laid_s, laid_s / one_s, 6.0))
@@ -76,7 +72,7 @@ def run() -> tuple[Table, Table]:
         ("shell", answer.max_deflection_mm, answer.max_stress_mpa, answer.unknowns),
         (f"shell, {SuperLU.name}", fallback.max_deflection_mm, fallback.max_stress_mpa, fallback.unknowns),
     ]
-    solid = verify_solid(pattern, placement, load=PRESSURE, nozzle_mm=NOZZLE_MM)
+    solid = verify_solid(pattern, placement, Case.of(PRESSURE))
     results.append(("shell, solid check's mesh", solid.shell_deflection_mm, solid.shell_stress_mpa, None))
     results.append(
         ("18-node wedge, same mesh", solid.solid_deflection_mm, solid.solid_stress_mpa, solid.unknowns)
@@ -105,9 +101,7 @@ def run() -> tuple[Table, Table]:
 def _largest(solver: str) -> tuple[float, int, float]:
     """Seconds, unknowns and the process's peak of memory in GB for version 40, as large as it must be."""
     pattern = _pattern(40)
-    seconds, field = _timed(
-        lambda: analyse(pattern, Plane(THICKNESS_MM), load=PRESSURE, nozzle_mm=NOZZLE_MM, solver=solver)
-    )
+    seconds, field = _timed(lambda: analyse(pattern, Plane(THICKNESS_MM), Case.of(PRESSURE, solver=solver)))
     return seconds, field.unknowns, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
 
 
@@ -121,18 +115,8 @@ def _pattern(version: int) -> Pattern:
 
 
 def _model(pattern: Pattern) -> Any:
-    size = pattern.module_mm
-    return prepare(
-        pattern.polygon,
-        Plane(THICKNESS_MM),
-        MATERIALS["PLA"],
-        Support(),
-        nozzle_mm=NOZZLE_MM,
-        mesh_size_mm=size,
-        corner_size_mm=size,
-        layer_size_mm=0.0,
-        lattice=lattice_of(pattern),
-    )
+    size = MeshSize.even(pattern.module_mm, NOZZLE_MM)
+    return prepare(Part.of(pattern, Plane(THICKNESS_MM)), Case.of(PRESSURE), size)
 
 
 def _loop(pattern: Pattern, solver: str) -> tuple[float, float]:

@@ -23,8 +23,8 @@ from perfqr_cad.isolated import IsolationError, Limits, kept
 
 MAX_FILE_BYTES = 256 * MIB
 # Decoding 10,000 × 10,000 pixels takes up to 10 s; what is decoded is then searched for a code.
-DECODER, DECODING = "perfqr_cad.capture.decoding:decoder", Limits(cpu_s=20.0)
-DRAWER, DRAWING = "perfqr_cad.capture.svg:drawer", Limits(cpu_s=10.0)  # version 40 in halftone takes 2 s
+DECODER, DECODING = f"{decoding.__name__}:decoder", Limits(cpu_s=20.0)
+DRAWER, DRAWING = f"{svg.__name__}:drawer", Limits(cpu_s=10.0)  # version 40 in halftone takes 2 s
 PNG = struct.Struct(">8s4x4sII")  # signature, type of the first chunk, width, height (PNG §5.2, §11.2.1)
 NOUN = "a picture file"
 

@@ -103,7 +103,9 @@ class _Drawing:
         self.elements += 1
         self.depth += 1
         if self.elements > MAX_ELEMENTS:
-            raise CaptureError(f"{self.name} has over {MAX_ELEMENTS} elements, the limit: simplify the drawing")
+            raise CaptureError(
+                f"{self.name} has over {MAX_ELEMENTS} elements, the limit: simplify the drawing"
+            )
         if self.depth > MAX_DEPTH:
             raise CaptureError(
                 f"{self.name} nests elements over {MAX_DEPTH} deep, the limit: take its groups apart"

@@ -18,10 +18,9 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.staging import probe, staged
 from perfqr_cad.progress import tell
-
-from .design_view import DesignView
-from .staging import probe, staged
 
 # Suffix -> module of this package; loaded on use, since several pull in a heavy library.
 FORMATS: dict[str, str] = {

@@ -9,16 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.surface import Triangles
+from perfqr_cad.export.colour import exposed
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.geometry import Triangles
 from perfqr_cad.units import linear_from_srgb
 
-from .colour import exposed
-from .design_view import DesignView
-
 if TYPE_CHECKING:
+    from perfqr_cad.export.raycast import Camera
     from perfqr_cad.surface import Placement
-
-    from .raycast import Camera
 
 WIDTH_PX, HEIGHT_PX = 1040, 780
 GROUND = (0.225, 0.25, 0.285)  # sRGB: slate, dark enough for the holes to read as the dark tone
@@ -47,7 +45,7 @@ def write(design: DesignView, path: Path) -> None:
 
 def picture(design: DesignView, width: int, height: int) -> NDArray[np.uint8]:
     """The picture as sRGB (height, width, 3): a flat part lies on the ground, a curved one stands on it."""
-    from .raycast import Look, Scene, picture
+    from perfqr_cad.export.raycast import Look, Scene, picture
 
     bodies = [design.solid, *design.solid.extras]
     if not len(design.solid.triangles.faces):
@@ -70,7 +68,7 @@ def _seen_by_reader(mesh: Triangles, placement: Placement) -> Triangles:
 
 def _camera(points: NDArray[Any], lies: bool, aspect: float) -> Camera:
     """The view from the side that shows the holes, centred on the part and just far enough."""
-    from .raycast import Camera
+    from perfqr_cad.export.raycast import Camera
 
     if lies:
         tilt, turn = np.radians([TILT_DEG, TURN_DEG])

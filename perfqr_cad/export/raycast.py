@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.surface import Triangles
+from perfqr_cad.geometry import Triangles
 
 Floats = NDArray[np.floating[Any]]
 Ints = NDArray[np.int32]

@@ -10,16 +10,16 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import markup, png, svg
-from .design_view import DesignView
-from .loss import loss_curve
-from .style import STYLE
+from perfqr_cad.export import markup, png, svg
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.loss import loss_curve
+from perfqr_cad.export.style import STYLE
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge
     from perfqr_cad.scan import DecoderResult, ScanReport, Sight
     from perfqr_cad.structure import StressField
-    from perfqr_cad.structure.maps import Quantity
+    from perfqr_cad.structure.stress_maps import Quantity
 
 STAGE_TEXT = {
     "function": "finder and alignment rings (blue)",
@@ -131,7 +131,7 @@ def _maps(field: StressField, when: str, bridges: Sequence[Bridge], limits: Mapp
     """Stress and deflection side by side, each up to its limit or its own largest value."""
     from matplotlib.figure import Figure
 
-    from perfqr_cad.structure.maps import draw
+    from perfqr_cad.structure.stress_maps import draw
 
     parts: list[str] = []
     for what, name in MAPS.items():

@@ -1,7 +1,8 @@
-"""The other side: a script that `worker` starts by its path with `python -I`.
+"""The other side: a script that `process` starts by its path with `python -I`.
 
-Its one argument is JSON: `job`, `arguments`, `sites` (folders of installed packages), `cpu_s`, `memory_bytes`,
-and the file descriptors of the `channel` and of the `lifeline`, a pipe that closes when the parent ends.
+Its one argument is JSON: `job`, `arguments`, `sites` (folders of installed packages), `cpu_s`,
+`memory_bytes`, and the file descriptors of the `channel` and of the `lifeline`, a pipe that closes when the
+parent ends.
 """
 
 from __future__ import annotations

@@ -3,36 +3,23 @@
 from __future__ import annotations
 
 import atexit
-import contextlib
-import json
 import os
 import signal
-import socket
-import subprocess
-import sys
-import tempfile
 import threading
-import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass
 from functools import cache
-from pathlib import Path
-from typing import IO, Any, NoReturn
+from typing import Any, NoReturn
 
 from numpy.typing import NDArray
 
 from perfqr_cad import errors
 from perfqr_cad.isolated import wire
+from perfqr_cad.isolated.process import MAX_WORDS, STALL_S, Process
 from perfqr_cad.isolated.wire import Message
 
-CHILD = Path(__file__).resolve().with_name("child.py")
-LOOK_S = 1.0  # how often a silent process is looked at
-STALL_S = 60.0  # a process that has not worked at all for so long waits for what never comes
-NO_SIGNAL = getattr(socket, "MSG_NOSIGNAL", 0)  # the solid modeller resets SIGPIPE, which would end us
 # What a C++ or Rust library says when there is no memory, before it gives up.
 NO_MEMORY = ("bad_alloc", "memory allocation of", "out of memory", "MemoryError", "Cannot allocate memory")
-# Native libraries start as many threads as there are cores, for work that is over in milliseconds.
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 
 @dataclass(frozen=True)
@@ -69,82 +56,6 @@ class Failed(IsolationError):
     """The job raised an exception that is none of ours."""
 
 
-@dataclass
-class _Process:
-    """A running child and our ends of what connects us."""
-
-    child: subprocess.Popen[bytes]
-    channel: socket.socket
-    lifeline: int
-    stderr: IO[bytes]
-    owner: int = field(default_factory=os.getpid)
-    ready: bool = False
-
-    def write(self, data: bytes | memoryview) -> None:
-        """Send all of it. OSError when the process has ended, TimeoutError when it does not listen."""
-        rest, patience = memoryview(data), _Patience(self.child.pid)
-        while rest:
-            try:
-                rest = rest[self.channel.send(rest, NO_SIGNAL) :]
-            except TimeoutError:
-                patience.require_work()
-
-    def fill(self, buffer: memoryview) -> None:
-        """Fill a buffer with what comes. EOFError when the process has ended, TimeoutError when it waits."""
-        patience = _Patience(self.child.pid)
-        while buffer:
-            try:
-                count = self.channel.recv_into(buffer)
-            except TimeoutError:
-                patience.require_work()
-                continue
-            if count == 0:
-                raise EOFError
-            buffer = buffer[count:]
-
-    def exit_code(self) -> int:
-        """How it ended, once its end of the channel is closed; below 0: by which signal."""
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            return self.child.wait(timeout=LOOK_S)
-        self.child.kill()
-        return self.child.wait()
-
-    def end(self) -> None:
-        """Kill it with whatever it has started, and free what it held."""
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(self.child.pid, signal.SIGKILL)
-        self.child.wait()
-        self.close()
-
-    def close(self) -> None:
-        self.channel.close()
-        os.close(self.lifeline)
-        self.stderr.close()
-
-    def last_words(self) -> str:
-        """The last line that it wrote to its standard error."""
-        if self.stderr.closed:
-            return ""
-        self.stderr.seek(0)
-        lines = self.stderr.read().decode(errors="replace").split("\n")
-        return next((" ".join(line.split())[:160] for line in reversed(lines) if line.strip()), "")
-
-
-class _Patience:
-    """How long a process may be silent: as long as it works, and `STALL_S` more."""
-
-    def __init__(self, pid: int) -> None:
-        self._pid, self._since, self._worked_s = pid, time.monotonic(), _cpu_s(pid)
-
-    def require_work(self) -> None:
-        """TimeoutError if the process has not worked for `STALL_S`."""
-        now_s = _cpu_s(self._pid)
-        if now_s != self._worked_s:
-            self._since, self._worked_s = time.monotonic(), now_s
-        elif time.monotonic() - self._since > STALL_S:
-            raise TimeoutError
-
-
 class Worker:
     """A job in a process of its own. `ask` may be called from several threads; answers come one by one."""
 
@@ -152,7 +63,7 @@ class Worker:
         """`job` is `package.module:function` (or `/absolute/file.py:function`), called with `arguments`."""
         self._job, self._arguments, self._limits = job, arguments, limits
         self._lock = threading.RLock()
-        self._process: _Process | None = None
+        self._process: Process | None = None
         self._report: Any = None
 
     def start(self) -> None:
@@ -162,7 +73,9 @@ class Worker:
                 self._process.close()  # it is our parent's: we are a fork
                 self._process = None
             if self._process is None:
-                self._process = _started(self._job, self._arguments, self._limits)
+                self._process = Process.started(
+                    {"job": self._job, "arguments": self._arguments} | asdict(self._limits)
+                )
 
     @property
     def report(self) -> Any:
@@ -186,12 +99,11 @@ class Worker:
         if process is None:
             return
         if process.owner == os.getpid():
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(process.child.pid, signal.SIGKILL)
+            process.kill()
         with self._lock:
             self._forget()
 
-    def _running(self) -> _Process:
+    def _running(self) -> Process:
         self.start()
         process = self._process
         assert process is not None
@@ -200,7 +112,7 @@ class Worker:
             process.ready = True
         return process
 
-    def _exchange(self, process: _Process, request: Message | None = None) -> Message:
+    def _exchange(self, process: Process, request: Message | None = None) -> Message:
         """Send a request, if there is one, and wait for what comes."""
         try:
             if request is not None:
@@ -222,7 +134,7 @@ class Worker:
             self._process.end()
         self._process = None
 
-    def _reason(self, process: _Process, error: Exception) -> IsolationError:
+    def _reason(self, process: Process, error: Exception) -> IsolationError:
         """Why a process gave no answer."""
         if isinstance(error, TimeoutError):
             return OutOfTime(f"nothing happened for {STALL_S:g} s")
@@ -263,51 +175,6 @@ def kept(job: str, *arguments: Any, limits: Limits = READING) -> Worker:
     return worker
 
 
-def _started(job: str, arguments: tuple[Any, ...], limits: Limits) -> _Process:
-    ours, theirs = socket.socketpair()
-    ours.settimeout(LOOK_S)
-    alive, lifeline = os.pipe()
-    stderr = tempfile.TemporaryFile()  # noqa: SIM115  closed with the process
-    settings = {
-        "job": job,
-        "arguments": arguments,
-        "sites": _installed(),
-        "cpu_s": limits.cpu_s,
-        "memory_bytes": limits.memory_bytes,
-        "channel": theirs.fileno(),
-        "lifeline": alive,
-    }
-    try:
-        child = subprocess.Popen(
-            [sys.executable, "-I", str(CHILD), json.dumps(settings)],
-            cwd="/",
-            env=os.environ | ONE_THREAD,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=stderr,
-            pass_fds=(theirs.fileno(), alive),
-            start_new_session=True,  # an interrupt at the keyboard is ours to handle
-        )
-    finally:
-        theirs.close()
-        os.close(alive)
-    return _Process(child, ours, lifeline, stderr)
-
-
-def _installed() -> list[str]:
-    """Folders of installed packages on this process's path; the current one and a script's are none."""
-    return [site for site in sys.path if Path(site).name in ("site-packages", "dist-packages")]
-
-
-def _cpu_s(pid: int) -> float:
-    """Seconds that a process has computed; 0 where the system does not say."""
-    try:
-        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return 0.0
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")  # utime, stime: proc(5)
-
-
 def _raise(kind: str, text: str, limits: Limits) -> NoReturn:
     """The exception that the job told of."""
     if kind == MemoryError.__name__:
@@ -315,7 +182,7 @@ def _raise(kind: str, text: str, limits: Limits) -> NoReturn:
     own = getattr(errors, kind, None) if kind.isidentifier() else None
     if isinstance(own, type) and issubclass(own, errors.PerfQRError):
         raise own(text)
-    raise Failed(" ".join(text.split())[:160])
+    raise Failed(" ".join(text.split())[:MAX_WORDS])
 
 
 def _out_of_memory(limits: Limits) -> OutOfMemory:

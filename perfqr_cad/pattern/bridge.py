@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from perfqr_cad.pattern.outline import Point
+from perfqr_cad.geometry.outline import Point
 
 Stage = Literal["function", "connectivity", "structural"]
 

@@ -9,14 +9,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.outline import Region
 from perfqr_cad.pattern.bridge import Bridge
-from perfqr_cad.pattern.outline import Region
 from perfqr_cad.pattern.spec import PatternSpec
 
 if TYPE_CHECKING:
     from shapely.geometry import Polygon
 
-    from perfqr_cad.pattern.draft import Draft
+    from perfqr_cad.pattern.drawing.draft import Draft
     from perfqr_cad.symbol import Matrix, Readability, Symbol
 
 
@@ -87,8 +87,8 @@ class Pattern:
     @cached_property
     def web_polygon(self) -> Polygon:
         """The polygon by which the least web is judged: recessed bars count as wide as that (`as_webs`)."""
-        from perfqr_cad.pattern.front import joined
-        from perfqr_cad.pattern.rings import as_webs
+        from perfqr_cad.pattern.drawing.front import joined
+        from perfqr_cad.pattern.joining.rings import as_webs
 
         return joined(self.front, as_webs(self.draft, self.spec)).polygon()
 
@@ -101,7 +101,7 @@ class Pattern:
 
         DesignError when a web is too thin or when the code can no longer be read.
         """
-        from perfqr_cad.pattern.finish import finish
+        from perfqr_cad.pattern.drawing.finish import finish
 
         draft = self.draft
         for bridge in bridges:

@@ -16,9 +16,9 @@ from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.progress import tell
 from perfqr_cad.reproduce.stand_ins import TABLE_1, THICKNESS_MM, Row, picture
 from perfqr_cad.scan import FlatPrint, Look, Scene, View, place, printed, reads
-from perfqr_cad.scan.decoders import CORE, accepted
-from perfqr_cad.scan.panel import shared
-from perfqr_cad.scan.scene import jittered
+from perfqr_cad.scan.camera.scene import jittered
+from perfqr_cad.scan.decoding.decoders import CORE, accepted
+from perfqr_cad.scan.decoding.panel import shared
 from perfqr_cad.surface import Plane
 
 DEFAULT_TEXT = "https://example.com/p/1234567"
@@ -59,7 +59,7 @@ def exhibit(name: str, out: Path) -> Exhibit:
 @lru_cache(maxsize=1)
 def default_part() -> Exhibit:
     """What `perfqr make` gives without settings: a plain version-5 code on 60 mm."""
-    from perfqr_cad.design import make
+    from perfqr_cad.pipeline.design import make
 
     design = make(text=DEFAULT_TEXT, version=5, size_mm=60.0)
     pattern = design.pattern

@@ -35,7 +35,7 @@ def run(out: Path) -> Table:
 def _row(row: Row, out: Path) -> tuple[object, ...]:
     from perfqr_cad.capture import read
     from perfqr_cad.pattern import PatternSpec, build
-    from perfqr_cad.structure import Pressure, reinforce
+    from perfqr_cad.structure import Case, Pressure, reinforce
     from perfqr_cad.surface import Plane
 
     captured = read(picture(row, out))
@@ -46,7 +46,7 @@ def _row(row: Row, out: Path) -> tuple[object, ...]:
     except DesignError:  # smaller than the nozzle can make: take the least size
         drawn = build(symbol, PatternSpec(), captured.art)
     connected = time.perf_counter()
-    strong = reinforce(drawn, Plane(THICKNESS_MM), load=Pressure(PRESSURE_MPA), yield_mpa=YIELD_MPA)
+    strong = reinforce(drawn, Plane(THICKNESS_MM), Case.of(Pressure(PRESSURE_MPA), yield_mpa=YIELD_MPA))
     reinforced = time.perf_counter()
     ours = reinforced - begin
     return (

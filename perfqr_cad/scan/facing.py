@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.scan.camera import View
-from perfqr_cad.scan.look import Look
-from perfqr_cad.scan.panel import Panel
-from perfqr_cad.scan.placing import place
-from perfqr_cad.scan.scene import Scene
-from perfqr_cad.surface import Triangles
+from perfqr_cad.geometry import Triangles
+from perfqr_cad.scan.camera.camera import View
+from perfqr_cad.scan.camera.look import Look
+from perfqr_cad.scan.camera.placing import place
+from perfqr_cad.scan.camera.scene import Scene
+from perfqr_cad.scan.decoding.panel import Panel
 
 # The reader's right, up and outward by side; the top first, then the sides, upright.
 SIDES: dict[str, tuple[tuple[int, int, int], ...]] = {

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from perfqr_cad.bounded import read_json
 from perfqr_cad.errors import DesignError
-from perfqr_cad.scan.decoders import accepted
+from perfqr_cad.geometry import Triangles
+from perfqr_cad.scan.camera.placing import load_mesh
+from perfqr_cad.scan.decoding.decoders import accepted
+from perfqr_cad.scan.decoding.panel import shared
 from perfqr_cad.scan.facing import turned
-from perfqr_cad.scan.panel import shared
-from perfqr_cad.scan.placing import load_mesh
 from perfqr_cad.scan.proof import FULL, Plan, certify
 from perfqr_cad.scan.report import ScanReport
-from perfqr_cad.surface import Placement, Triangles
+from perfqr_cad.surface import Placement
 
 MESHES = (".stl", ".3mf", ".ply", ".obj", ".off")
 STEPS = (".step", ".stp")

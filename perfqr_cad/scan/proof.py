@@ -11,18 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import AnalysisError, CaptureError, SymbolError
+from perfqr_cad.geometry import Triangles
 from perfqr_cad.progress import counter
 from perfqr_cad.scan import advice
-from perfqr_cad.scan.camera import View
+from perfqr_cad.scan.camera.camera import View
+from perfqr_cad.scan.camera.flat import FlatPrint, printed
+from perfqr_cad.scan.camera.look import Look
+from perfqr_cad.scan.camera.placing import place
+from perfqr_cad.scan.camera.scene import Scene, jittered
 from perfqr_cad.scan.colours import BACKGROUNDS, contrast, contrast_warning
-from perfqr_cad.scan.decoders import CORE, accepted
-from perfqr_cad.scan.flat import FlatPrint, printed
-from perfqr_cad.scan.look import Look
-from perfqr_cad.scan.panel import Panel, shared
-from perfqr_cad.scan.placing import place
+from perfqr_cad.scan.decoding.decoders import CORE, accepted
+from perfqr_cad.scan.decoding.panel import Panel, shared
 from perfqr_cad.scan.report import DecoderResult, ScanReport, Sight
-from perfqr_cad.scan.scene import Scene, jittered
-from perfqr_cad.surface import Placement, Triangles
+from perfqr_cad.surface import Placement
 from perfqr_cad.symbol import Matrix
 
 if TYPE_CHECKING:

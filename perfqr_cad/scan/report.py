@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.scan.panel import Losses
+from perfqr_cad.scan.decoding.panel import Losses
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 from perfqr_cad.errors import PerfQRError
 from perfqr_cad.progress import tell
-from perfqr_cad.scan.decoders import CORE, accepted
-from perfqr_cad.scan.look import Look
-from perfqr_cad.scan.panel import shared
+from perfqr_cad.scan.camera.look import Look
+from perfqr_cad.scan.camera.scene import Scene
+from perfqr_cad.scan.decoding.decoders import CORE, accepted
+from perfqr_cad.scan.decoding.panel import shared
 from perfqr_cad.scan.proof import PATIENCE, Plan, reads
-from perfqr_cad.scan.scene import Scene
 from perfqr_cad.scan.surrogate import Legibility, legibility
 from perfqr_cad.symbol import Matrix
 

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.scan.camera import Camera, View
-from perfqr_cad.scan.look import Look
-from perfqr_cad.scan.raster import warp
-from perfqr_cad.scan.scene import Scene
+from perfqr_cad.scan.camera.camera import Camera, View
+from perfqr_cad.scan.camera.look import Look
+from perfqr_cad.scan.camera.raster import warp
+from perfqr_cad.scan.camera.scene import Scene
 from perfqr_cad.symbol import Matrix
 
 MODULE_PX = 8

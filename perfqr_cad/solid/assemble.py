@@ -5,22 +5,23 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from perfqr_cad.pattern.outline import Region
-from perfqr_cad.surface import Placement, Plane, Triangles
-
-from . import flux
-from .backing import Backing
-from .caption import Caption
-from .chart import Chart
-from .expected import volume_mm3
-from .mesh import CHORD_MM, triangulate
-from .plan import Plan
-from .plane_chart import PlaneChart
-from .proof import check
-from .sections import Sections
-from .shape import LIGHT, Colour, Corner, Solid
-from .stitch import panel
-from .walls import Walls
+from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.outline import Region
+from perfqr_cad.profile.backing import Backing
+from perfqr_cad.profile.caption import Caption
+from perfqr_cad.profile.colour import LIGHT, Colour
+from perfqr_cad.profile.plan import Plan
+from perfqr_cad.profile.sections import Sections
+from perfqr_cad.profile.walls import Walls
+from perfqr_cad.solid.charts.chart import Chart
+from perfqr_cad.solid.charts.plane import PlaneChart
+from perfqr_cad.solid.mesh import CHORD_MM, triangulate
+from perfqr_cad.solid.proof import flux
+from perfqr_cad.solid.proof.check import check
+from perfqr_cad.solid.proof.expected import volume_mm3
+from perfqr_cad.solid.shape import Corner, Solid
+from perfqr_cad.solid.stitch import panel
+from perfqr_cad.surface import Placement, Plane
 
 # Share of the volume by which the modeller may differ from the closed form: rounding on plates, straight or
 # flared; elsewhere the fit of curves and offset surfaces.
@@ -157,6 +158,6 @@ def chart_of(placement: Placement) -> Chart:
         case Plane():
             return PlaneChart(placement)
         case _:  # the modeller takes a second to load, and a plate needs none
-            from .curved_charts import curved_chart
+            from perfqr_cad.solid.charts.curved import curved_chart
 
             return curved_chart(placement)

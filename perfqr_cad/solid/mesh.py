@@ -14,15 +14,14 @@ from typing import Protocol
 
 import numpy as np
 
-from perfqr_cad.pattern.outline import Point, Segment
-from perfqr_cad.surface import Triangles
-
-from .brep import following, starts_of
-from .caps import caps
-from .chart import Well
-from .recess import Top
-from .sampling import Array, Indices, corners, pieces, positions
-from .triangulation import delaunay, refined
+from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.outline import Point, Segment
+from perfqr_cad.geometry.rings import following, starts_of
+from perfqr_cad.geometry.segments import Array, Indices, corners, pieces, positions
+from perfqr_cad.geometry.triangulation import delaunay, refined
+from perfqr_cad.profile.caps import caps
+from perfqr_cad.profile.recess import Top
+from perfqr_cad.profile.well import Well
 
 CHORD_MM = 0.01  # greatest distance between mesh and surface; a twentieth of a printed layer
 

@@ -14,14 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.pattern.outline import Loop, Point
-
-from .brep import TOLERANCE_MM, Batch, Brep, CurveTable, SurfaceTable, following, numbering, owners, starts_of
-from .caps import FIRST, Cap
-from .chart import Chart, Columns, Well
-from .geometry import Curves, Lines, Surfaces
-from .sampling import Array, Indices
-from .sections import Sections
+from perfqr_cad.geometry.outline import Loop, Point
+from perfqr_cad.geometry.rings import following, numbering, owners, starts_of
+from perfqr_cad.geometry.segments import Array, Indices
+from perfqr_cad.profile.caps import FIRST, Cap
+from perfqr_cad.profile.sections import Sections
+from perfqr_cad.profile.well import Well
+from perfqr_cad.solid.charts.chart import Chart, Columns
+from perfqr_cad.solid.tables.batches import Curves, Lines, Surfaces
+from perfqr_cad.solid.tables.brep import TOLERANCE_MM, Batch, Brep, CurveTable, SurfaceTable
 
 # Uses of a wall's edges, seen from outside: along the lower edge, up, back along the upper edge, down.
 LOWER, END, UPPER, START = range(4)

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-
-from .placement import Array, Placement, pairs, positive, thinner
+from perfqr_cad.surface.placement import Array, Placement, pairs, positive, thinner
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-
-from .placement import Array, Placement, pairs, positive
-from .spline import TensorSpline, tensor
+from perfqr_cad.geometry.spline import TensorSpline, tensor
+from perfqr_cad.surface.placement import Array, Placement, pairs, positive
 
 
 @dataclass(frozen=True)

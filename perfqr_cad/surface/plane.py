@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .placement import Array, Placement, pairs, positive
+from perfqr_cad.surface.placement import Array, Placement, pairs, positive
 
 
 @dataclass(frozen=True)

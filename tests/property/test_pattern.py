@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from perfqr_cad.capture import Art
 from perfqr_cad.pattern import PatternSpec, build
-from perfqr_cad.scan import decoders
+from perfqr_cad.scan.decoding import decoders
 from perfqr_cad.symbol import Role, encode, layout
 
 slow = settings(max_examples=5, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])

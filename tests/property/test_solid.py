@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from OCP.BRepCheck import BRepCheck_Analyzer
 
 from perfqr_cad.errors import DesignError, KernelError
+from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Loop, Region, Segment
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Loop, Region, Segment
-from perfqr_cad.solid import Plan, Walls, build_plan, build_region
+from perfqr_cad.profile import Plan, Walls
+from perfqr_cad.solid import build_plan, build_region
 from perfqr_cad.surface import Cone, Cylinder, Placement, Plane, Sphere
 
 CELL_MM = 2.0

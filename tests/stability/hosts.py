@@ -39,7 +39,7 @@ from OCP.BRepAlgoAPI import BRepAlgoAPI_Fuse
 from OCP.BRepBuilderAPI import BRepBuilderAPI_NurbsConvert
 from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideAngle
 
-from perfqr_cad.solid.imported import kernel
+from perfqr_cad.solid.kernel import booleans as kernel
 
 FROM_THE_SIDE: dict[str, Any] = {"point": (200.0, 0.0, 0.0), "direction": (-1.0, 0.0, 0.0)}
 BEFORE: dict[str, Any] = {"point": (0.0, -200.0, 0.0), "direction": (0.0, 1.0, 0.0)}

@@ -9,12 +9,14 @@ from build123d import export_step
 from OCP.BRepCheck import BRepCheck_Analyzer
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.outline import Circle, Loop, Region
+from perfqr_cad.hosts.step import ImportedFace
 from perfqr_cad.pattern import Pattern, PatternSpec, build
-from perfqr_cad.pattern.outline import Circle, Loop, Region
+from perfqr_cad.profile import Walls
 from perfqr_cad.scan import Look, Scene, View, place
-from perfqr_cad.scan.decoders import load
-from perfqr_cad.solid import Walls, occ, read_step, write_step
-from perfqr_cad.solid.imported import ImportedFace
+from perfqr_cad.scan.decoding.decoders import load
+from perfqr_cad.solid import read_step, write_step
+from perfqr_cad.solid.kernel import occ
 from perfqr_cad.symbol import encode
 
 from .hosts import CASES, Case

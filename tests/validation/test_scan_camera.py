@@ -8,11 +8,11 @@ import shapely
 import trimesh
 from shapely.geometry import box
 
+from perfqr_cad.geometry import Triangles
 from perfqr_cad.scan import FlatPrint, Light, Look, Optics, Scene, View, place
-from perfqr_cad.scan.camera import Camera, facing_up
-from perfqr_cad.scan.sections import area, stack
-from perfqr_cad.scan.skylight import brightness
-from perfqr_cad.surface import Triangles
+from perfqr_cad.scan.camera.camera import Camera, facing_up
+from perfqr_cad.scan.camera.sections import area, stack
+from perfqr_cad.scan.camera.skylight import brightness
 
 EDGE, SLOT, THICKNESS = 40.0, 4.0, 2.0
 NO_FAULTS = Optics(defocus_px=0, noise=0, jpeg_quality=None)

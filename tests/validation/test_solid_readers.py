@@ -14,19 +14,11 @@ from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
 
+from perfqr_cad.geometry.outline import Circle, Loop, Region
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.pattern.outline import Circle, Loop, Region
-from perfqr_cad.solid import (
-    Caption,
-    Plan,
-    Solid,
-    Walls,
-    build_plan,
-    build_region,
-    occ,
-    read_step,
-    write_step,
-)
+from perfqr_cad.profile import Caption, Plan, Walls
+from perfqr_cad.solid import Solid, build_plan, build_region, read_step, write_step
+from perfqr_cad.solid.kernel import occ
 from perfqr_cad.surface import Cone, Cylinder, Placement, Plane, Sphere
 
 RED = (0.8, 0.2, 0.1)

@@ -11,7 +11,8 @@ from pyzbar import pyzbar
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.export import png
-from perfqr_cad.surface import Plane, Triangles
+from perfqr_cad.geometry import Triangles
+from perfqr_cad.surface import Plane
 
 
 @pytest.fixture(scope="module")

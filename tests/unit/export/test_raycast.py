@@ -10,7 +10,7 @@ import trimesh
 
 from perfqr_cad.export import raycast
 from perfqr_cad.export.raycast import Camera, Look, Scene
-from perfqr_cad.surface import Triangles
+from perfqr_cad.geometry import Triangles
 
 GREY = 0.5
 

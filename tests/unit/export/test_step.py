@@ -15,8 +15,9 @@ from OCP.TopoDS import TopoDS
 
 from perfqr_cad import export
 from perfqr_cad.errors import KernelError
+from perfqr_cad.geometry import Triangles
 from perfqr_cad.solid import build_region, read_step
-from perfqr_cad.surface import Plane, Triangles
+from perfqr_cad.surface import Plane
 
 from .conftest import curved_region
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from perfqr_cad.pattern import Arc, Bezier, Loop, Region
-from perfqr_cad.pattern.dress import LEAST_EDGE_MM, filleted, smoothed
+from perfqr_cad.geometry import Arc, Bezier, Loop, Region
+from perfqr_cad.pattern.drawing.dress import LEAST_EDGE_MM, filleted, smoothed
 
 OUTER = Loop.from_points([(0, 0), (10, 0), (10, 10), (0, 10)])
 HOLE = Loop.from_points([(4, 4), (4, 6), (6, 6), (6, 4)])

@@ -6,10 +6,10 @@ import shapely
 
 from perfqr_cad.capture import Art
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.outline import Line
 from perfqr_cad.pattern import Bridge, PatternSpec, build
-from perfqr_cad.pattern.front import joined
-from perfqr_cad.pattern.outline import Line
-from perfqr_cad.pattern.rings import DARK_MM, LEAST_SLOT, SLOT
+from perfqr_cad.pattern.drawing.front import joined
+from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT, SLOT
 from perfqr_cad.symbol import encode
 
 RINGS = {1: 3, 2: 4, 6: 4, 7: 9}  # finders and alignment patterns

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern.lattice import checkerboards
-from perfqr_cad.pattern.tracing import Rings, sharpened, trace
+from perfqr_cad.pattern.cells.lattice import checkerboards
+from perfqr_cad.pattern.cells.tracing import Rings, sharpened, trace
 
 
 def blob(seed, size=30):

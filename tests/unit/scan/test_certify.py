@@ -7,7 +7,7 @@ import pytest
 
 from perfqr_cad import scan
 from perfqr_cad.errors import KernelError
-from perfqr_cad.surface import Triangles
+from perfqr_cad.geometry import Triangles
 
 _spec = importlib.util.spec_from_file_location("plates", Path(__file__).with_name("plates.py"))
 plates = importlib.util.module_from_spec(_spec)

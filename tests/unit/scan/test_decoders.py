@@ -9,8 +9,8 @@ import segno
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.isolated import Limits
-from perfqr_cad.scan import decoders, node
-from perfqr_cad.scan.panel import Losses, Panel
+from perfqr_cad.scan.decoding import decoders, node
+from perfqr_cad.scan.decoding.panel import Losses, Panel
 
 TEXT = "https://example.com/p/1234567"
 
@@ -120,7 +120,7 @@ def test_an_engine_without_its_library_is_left_out_and_named(tmp_path):
     (tmp_path / "job.py").write_text(
         "import ctypes.util\n"
         "ctypes.util.find_library = lambda name: None\n"
-        "from perfqr_cad.scan.worker import Readers\n"
+        "from perfqr_cad.scan.decoding.worker import Readers\n"
     )
     with Panel(["zbar", "opencv"], workers=1, job=f"{tmp_path / 'job.py'}:Readers") as panel:
         assert panel.names == ("opencv",)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from OCP.BRepCheck import BRepCheck_Analyzer
 
-from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Loop, Region
-from perfqr_cad.solid import Walls, build_region
+from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Loop, Region
+from perfqr_cad.profile import Walls
+from perfqr_cad.solid import build_region
 from perfqr_cad.surface import Cone, Cylinder, HeightField, Placement, Revolution, Sphere
 
 VASE = ((20.0, 0.0), (26.0, 20.0), (30.0, 40.0), (27.0, 60.0), (20.0, 80.0))
@@ -60,7 +61,7 @@ def test_grid_lines_stand_in_planes_and_cones() -> None:
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.TopoDS import TopoDS
 
-    from perfqr_cad.solid.occ import FACE, explore
+    from perfqr_cad.solid.kernel.occ import FACE, explore
 
     region = Region(REGION.outer, HOLES[:1])
     kinds = sorted(

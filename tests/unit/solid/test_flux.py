@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from perfqr_cad.pattern.outline import Bezier, Circle, Loop, Region
-from perfqr_cad.solid import occ
+from perfqr_cad.geometry.outline import Bezier, Circle, Loop, Region
+from perfqr_cad.profile.walls import Walls
 from perfqr_cad.solid.assemble import build_region
-from perfqr_cad.solid.brep import Batch
-from perfqr_cad.solid.flux import filled, volume_mm3
-from perfqr_cad.solid.geometry import Lines, SplineSurfaces
-from perfqr_cad.solid.survey import brep_of
-from perfqr_cad.solid.walls import Walls
+from perfqr_cad.solid.kernel import occ
+from perfqr_cad.solid.kernel.from_shape import brep_of
+from perfqr_cad.solid.proof.flux import filled, volume_mm3
+from perfqr_cad.solid.tables.batches import Lines, SplineSurfaces
+from perfqr_cad.solid.tables.brep import Batch
 from perfqr_cad.surface import HeightField, Plane, Sphere
 
 HOLES = (

@@ -9,8 +9,10 @@ import pytest
 from OCP.BRepCheck import BRepCheck_Analyzer
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern.outline import Arc, Bezier, Circle, Line, Loop, Region
-from perfqr_cad.solid import Walls, build_region, triangulation
+from perfqr_cad.geometry import triangulation
+from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Loop, Region
+from perfqr_cad.profile import Walls
+from perfqr_cad.solid import build_region
 from perfqr_cad.surface import Plane
 
 

@@ -1,0 +1,11 @@
+"""What a pattern becomes in the depth of a wall: loops and heights, before any solid is built.
+
+Walls of the holes and their flare, recessed bars, pockets, letters and the plate behind. No kernel here.
+"""
+
+from perfqr_cad.profile.backing import Backing
+from perfqr_cad.profile.caption import Caption
+from perfqr_cad.profile.plan import Plan
+from perfqr_cad.profile.walls import Walls
+
+__all__ = ["Backing", "Caption", "Plan", "Walls"]
