@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from perfqr_cad.bounded import MIB, read_bytes
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry.triangles import Triangles
-from perfqr_cad.isolated import Message, once
+from perfqr_cad.isolated import Message, Refusal, once
 
 FORMATS = ("stl", "obj", "ply", "off", "3mf")
 MAX_BYTES = 256 * MIB
@@ -41,9 +41,7 @@ def read_mesh(path: str | Path, scale: float = 1.0) -> Triangles:
         JOB,
         (kind, path.name),
         Message(None, (np.frombuffer(content, np.uint8),)),
-        lambda reason: KernelError(
-            f"{path.name} cannot be read as {kind.upper()} ({reason}): export the mesh again as STL"
-        ),
+        Refusal(KernelError, f"{path.name} cannot be read as {kind.upper()}", "export the mesh again as STL"),
     )
     vertices, faces = answer.arrays
     return Triangles(vertices * scale, faces)
@@ -78,6 +76,17 @@ def _load_3mf(content: bytes, kind: str, name: str) -> tuple[NDArray[np.float64]
     return placed_triangles(content, name, MAX_TRIANGLES)
 
 
+def require_size(vertices: NDArray[np.float64], name: str) -> None:
+    """`KernelError` for coordinates that are no finite numbers, or beyond `MAX_COORDINATE`."""
+    if not np.isfinite(vertices).all():
+        raise KernelError(f"{name} has coordinates that are no finite numbers: export it again")
+    largest = float(np.abs(vertices).max(initial=0))
+    if largest > MAX_COORDINATE:
+        raise KernelError(
+            f"{name} has a coordinate of {largest:g} mm, the limit is {MAX_COORDINATE:g}: check its unit"
+        )
+
+
 def _look_through(vertices: NDArray[np.float64], faces: NDArray[np.int64], name: str) -> None:
     """KernelError for triangles that are none: too many, of no finite numbers, of no area."""
     if not 0 < len(faces) <= MAX_TRIANGLES:
@@ -89,11 +98,7 @@ def _look_through(vertices: NDArray[np.float64], faces: NDArray[np.int64], name:
             f"{name} has a triangle of corners {faces.min()} to {faces.max()}, there are {len(vertices)}: "
             "export the mesh again"
         )
-    largest = float(np.abs(vertices).max())
-    if not largest <= MAX_COORDINATE:  # nor is that of no number
-        raise KernelError(
-            f"{name} has a coordinate of {largest:g}, the limit is {MAX_COORDINATE:g}: export the mesh in mm"
-        )
+    require_size(vertices, name)
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     if not np.cross(b - a, c - a).any():
         raise KernelError(

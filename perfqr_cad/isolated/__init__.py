@@ -11,20 +11,19 @@ plain arguments: it imports what it needs and returns the function that answers 
 from .child import without_files
 from .wire import Message
 from .worker import (
-    READING,
     Crashed,
     Failed,
     IsolationError,
     Limits,
     OutOfMemory,
     OutOfTime,
+    Refusal,
     Worker,
     kept,
     once,
 )
 
 __all__ = [
-    "READING",
     "Crashed",
     "Failed",
     "IsolationError",
@@ -32,6 +31,7 @@ __all__ = [
     "Message",
     "OutOfMemory",
     "OutOfTime",
+    "Refusal",
     "Worker",
     "kept",
     "once",

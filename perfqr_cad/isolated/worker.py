@@ -6,7 +6,6 @@ import atexit
 import os
 import signal
 import threading
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any, NoReturn
@@ -26,14 +25,16 @@ NO_MEMORY = ("bad_alloc", "memory allocation of", "out of memory", "MemoryError"
 class Limits:
     """Bounds of one answer: seconds of computing, and bytes of the process's own memory.
 
-    Work is counted, not time: a busy machine changes no result.
+    Work is counted, not time: a busy machine changes no result. The defaults are for reading a file: with
+    what this process itself takes, one that is refused costs no more than 60 s and 2 GB.
     """
 
     cpu_s: float = 50.0
     memory_bytes: int = 1536 * 2**20
 
 
-READING = Limits()  # with what this process itself takes: 60 s and 2 GB for a file that is refused
+READING_S = "PERFQR_READING_S"  # environment variable: seconds of computing that reading one file may take
+MOST_READING_S = 86_400.0
 
 
 class IsolationError(Exception):
@@ -59,7 +60,7 @@ class Failed(IsolationError):
 class Worker:
     """A job in a process of its own. `ask` may be called from several threads; answers come one by one."""
 
-    def __init__(self, job: str, *arguments: Any, limits: Limits = READING) -> None:
+    def __init__(self, job: str, *arguments: Any, limits: Limits = Limits()) -> None:
         """`job` is `package.module:function` (or `/absolute/file.py:function`), called with `arguments`."""
         self._job, self._arguments, self._limits = job, arguments, limits
         self._lock = threading.RLock()
@@ -150,25 +151,53 @@ class Worker:
         return Crashed(f"{how}: {words}" if words else how)
 
 
-def once(
-    job: str,
-    arguments: tuple[Any, ...],
-    request: Message,
-    refusal: Callable[[IsolationError], errors.PerfQRError],
-    limits: Limits = READING,
-) -> Message:
-    """The answer of a process that is started for it. Raises `PerfQRError`: the job's own, or `refusal`."""
-    worker = Worker(job, *arguments, limits=limits)
+@dataclass(frozen=True)
+class Refusal:
+    """The line for what cannot be read: "`what` (reason): `remedy`", as an `error`."""
+
+    error: type[errors.PerfQRError]
+    what: str
+    remedy: str
+
+    def of(self, reason: IsolationError) -> errors.PerfQRError:
+        """The error for a reason."""
+        more = f", or allow more by the variable {READING_S}" if isinstance(reason, OutOfTime) else ""
+        return self.error(f"{self.what} ({reason}): {self.remedy}{more}")
+
+
+def once(job: str, arguments: tuple[Any, ...], request: Message, refusal: Refusal) -> Message:
+    """The answer of a process that is started for it, within `reading_limits`.
+
+    Raises `PerfQRError`: the job's own, or the `refusal`.
+    """
+    worker = Worker(job, *arguments, limits=reading_limits())
     try:
         return worker.ask(request.value, *request.arrays)
     except IsolationError as reason:
-        raise refusal(reason) from reason
+        raise refusal.of(reason) from reason
     finally:
         worker.stop()
 
 
+def reading_limits() -> Limits:
+    """Bounds for reading one file, with the seconds that the environment allows. DesignError for none."""
+    allowed = os.environ.get(READING_S)
+    if not allowed:
+        return Limits()
+    try:
+        cpu_s = float(allowed)
+    except ValueError:
+        cpu_s = 0.0
+    if not 0 < cpu_s <= MOST_READING_S:
+        raise errors.DesignError(
+            f"{READING_S}={allowed!r} is no number from 0 to {MOST_READING_S:g}: give the seconds that "
+            "reading a file may take"
+        )
+    return Limits(cpu_s=cpu_s)
+
+
 @cache
-def kept(job: str, *arguments: Any, limits: Limits = READING) -> Worker:
+def kept(job: str, *arguments: Any, limits: Limits = Limits()) -> Worker:
     """A worker that is kept for the life of this process, for short jobs that come often."""
     worker = Worker(job, *arguments, limits=limits)
     atexit.register(worker.stop)
