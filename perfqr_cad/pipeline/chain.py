@@ -121,10 +121,9 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
     Without `text` the payload is what the certificate says, or what the decoders agree on.
     """
     from perfqr_cad import scan
-    from perfqr_cad.hosts.mesh import read_mesh
     from perfqr_cad.hosts.step.meshing import mesh_step
 
-    return scan.part(path, text, mesh_step=mesh_step, mesh_3mf=read_mesh)
+    return scan.part(path, text, mesh_step=mesh_step)
 
 
 def _source(request: Request, terms: Terms) -> tuple[Capture | None, Symbol]:

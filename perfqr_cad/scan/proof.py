@@ -118,6 +118,7 @@ def certify(
     edge_mm = None if pattern is None else pattern.size_mm
     scene = Scene(place(triangles, placement, edge_mm=edge_mm, behind=behind))
     panel = shared(decoders)
+    before = panel.losses
     if payload is None:
         payload = _agreed(scene, look, panel, schedule)
     right = accepted(payload)
@@ -140,8 +141,13 @@ def certify(
     worst, first = _extremes(scene, views, look, read, panel.names, seed)
     inverted = pattern is not None and pattern.spec.tone == "inverted"
     light, dark = (look.ground, look.material) if inverted else (look.material, look.ground)
-    warning = contrast_warning(contrast(light, dark), inverted=inverted)
-    report = ScanReport(_text(payload), results, colours, worst, first, (), warning)
+    losses = panel.losses.since(before)
+    warnings = (
+        *contrast_warning(contrast(light, dark), inverted=inverted),
+        *(f"decoder {name} is left out: {reason}" for name, reason in panel.left_out.items()),
+        *losses.sentences(),
+    )
+    report = ScanReport(_text(payload), results, colours, worst, first, (), warnings, losses)
     return replace(report, advice=advice.sentences(report))
 
 

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from perfqr_cad.scan.decoding.panel import Losses
+
 
 @dataclass(frozen=True)
 class DecoderResult:
@@ -75,6 +77,7 @@ class ScanReport:
     backgrounds   share of frontal scans read on each ground, over the decoders that read the part at all
     worst_read    the steepest view that every frontal reader still reads
     first_missed  the least steep view that one of them misses
+    losses        views missed because a decoder met its limit of computing, or crashed
     """
 
     payload: str | None
@@ -84,6 +87,7 @@ class ScanReport:
     first_missed: FilmedView | None = None
     advice: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    losses: Losses = field(default_factory=Losses)
 
     @property
     def readers(self) -> tuple[str, ...]:
@@ -106,6 +110,8 @@ class ScanReport:
                 for name, result in self.decoders.items()
             },
             "backgrounds": {name: round(rate, 4) for name, rate in self.backgrounds.items()},
+            "timeouts": self.losses.timeouts,
+            "crashes": self.losses.crashes,
             "advice": list(self.advice),
             "warnings": list(self.warnings),
         }

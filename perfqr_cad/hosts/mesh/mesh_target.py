@@ -70,7 +70,7 @@ class MeshTarget:
     @cached_property
     def outer(self) -> Triangles:
         """The mended, scaled body. Raises `KernelError` or `DesignError` for what cannot be mended."""
-        from perfqr_cad.hosts.mesh.reader import read_mesh
+        from perfqr_cad.geometry.mesh_files import read_mesh
         from perfqr_cad.hosts.mesh.repair import mend
 
         if self.mesh is None and not self.path:
