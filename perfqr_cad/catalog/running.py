@@ -31,6 +31,8 @@ def run(path: Path, values: Mapping[str, Value], timeout_s: float) -> Design:
     """The design that the template makes of the values. Raises `TemplateError` for all else that it does."""
     from perfqr_cad.pipeline.design import Design
 
+    if not timeout_s > 0:
+        raise TemplateError(f"a time limit of {timeout_s:g} s lets no template run: give CPU seconds above 0")
     try:
         with _limited(timeout_s):
             build = runpy.run_path(str(path), run_name=f"perfqr_template_{path.stem}").get("build")

@@ -12,20 +12,20 @@ from pathlib import Path
 from perfqr_cad.errors import DesignError
 
 _PREFIX = ".perfqr-"
+_SHOWN = 200  # letters of a path in a message
 
 
 @contextmanager
-def staged(folder: Path, *, create: bool = False) -> Generator[Path]:
+def staged(folder: Path) -> Generator[Path]:
     """A scratch folder inside `folder`; on success its files are moved up, on any error nothing remains.
 
-    Being on the same file system makes each move one atomic rename. With `create` a missing folder is
-    made, and removed again after an error. Raises `DesignError` where the folder cannot be written to.
+    Being on the same file system makes each move one atomic rename. A missing folder is made, and removed
+    again after an error. Raises `DesignError` where the folder cannot be written to.
     """
     made: list[Path] = []
     try:
-        if create:
-            made = [path for path in (folder, *folder.parents) if not path.exists()]
-            folder.mkdir(parents=True, exist_ok=True)
+        made = [path for path in (folder, *folder.parents) if not path.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
         stage = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=folder))
         try:
             yield stage
@@ -41,13 +41,16 @@ def staged(folder: Path, *, create: bool = False) -> Generator[Path]:
         raise
 
 
-def probe(folder: Path, *, create: bool = False) -> None:
-    """Raise the `DesignError` that `staged` would, and leave nothing behind."""
-    there = next(path for path in (folder, *folder.parents) if path.exists()) if create else folder
+def probe(target: Path) -> None:
+    """Raise the `DesignError` that writing this file would, and leave nothing behind."""
+    there = next(path for path in target.parents if os.path.exists(path))
     try:
-        Path(tempfile.mkdtemp(prefix=_PREFIX, dir=there)).rmdir()
+        with tempfile.TemporaryDirectory(prefix=_PREFIX, dir=there) as scratch:
+            wanted = Path(scratch) / target.relative_to(there)
+            wanted.parent.mkdir(parents=True, exist_ok=True)
+            wanted.touch()  # a name may be too long, or hold what this file system does not take
     except OSError as error:
-        raise _refusal(folder, error) from error
+        raise _refusal(target, error) from error
 
 
 def _publish(stage: Path, folder: Path) -> None:
@@ -59,6 +62,13 @@ def _publish(stage: Path, folder: Path) -> None:
         os.replace(path, folder / path.name)
 
 
-def _refusal(folder: Path, error: OSError) -> DesignError:
+def _refusal(path: Path, error: OSError) -> DesignError:
     reason = (error.strerror or str(error)).lower()
-    return DesignError(f"{folder}: cannot write there ({reason}); name a folder that can be written to")
+    return DesignError(
+        f"{shortened(path)}: cannot write there ({reason}); name a place that can be written to"
+    )
+
+
+def shortened(path: Path) -> str:
+    """A path as a message shows it."""
+    return str(path) if len(str(path)) <= _SHOWN else f"{str(path)[:_SHOWN]}…"
