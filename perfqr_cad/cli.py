@@ -107,10 +107,10 @@ def scan(
     as_json: _Json = False,
 ) -> None:
     """Film a part from many sides and let every decoder read it."""
-    from perfqr_cad.pipeline import design
+    from perfqr_cad.pipeline.chain import scan_part
 
     with _progress():
-        report = design.scan_part(part, text)
+        report = scan_part(part, text)
     if as_json:
         _print_json(report.as_dict())
     else:

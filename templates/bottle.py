@@ -31,5 +31,5 @@ def build(p):
     ring = Cylinder(p.diameter / 2, height) - Cylinder(inner, height)
     bottle = mesh_shape(Cylinder(inner - p.clearance / 2, height))
     front = (0.0, -p.diameter / 2, 0.0)
-    target = ImportedFace.of(ring, point=front, wrap=True, depth_mm=p.depth, behind=bottle)
+    target = ImportedFace.of(ring, point=front, wrap=True, behind=bottle)
     return make(target=target, **settings(p))

@@ -30,5 +30,5 @@ exact = False
 
 def build(p):
     at = {"point": p.point, "direction": p.direction, "up": p.up, "part": p.part, "exact": p.exact}
-    size = {"scale": p.scale, "extent_mm": p.extent, "hollow_mm": p.hollow, "depth_mm": p.depth}
+    size = {"scale": p.scale, "extent_mm": p.extent, "hollow_mm": p.hollow}
     return make(target=MeshTarget(p.mesh, **at, **size), **settings(p))

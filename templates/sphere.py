@@ -23,4 +23,4 @@ def build(p):
         )
     ball = Sphere(p.diameter / 2) - Sphere(p.diameter / 2 - p.thickness)
     front = (0.0, -p.diameter / 2, 0.0)
-    return make(target=ImportedFace.of(ball, point=front, depth_mm=p.depth), **settings(p))
+    return make(target=ImportedFace.of(ball, point=front), **settings(p))

@@ -26,5 +26,5 @@ wrap = False
 
 def build(p):
     at = {"point": p.point, "direction": p.direction, "up": p.up}
-    target = ImportedFace(p.solid, face=p.face, part=p.part or None, wrap=p.wrap, depth_mm=p.depth, **at)
+    target = ImportedFace(p.solid, face=p.face, part=p.part or None, wrap=p.wrap, **at)
     return make(target=target, **settings(p))

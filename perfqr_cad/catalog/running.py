@@ -73,14 +73,14 @@ def _limited(timeout_s: float) -> Generator[None]:
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
         return
-    from perfqr_cad.pipeline import design
+    from perfqr_cad.pipeline import chain
 
     spent_s, last_s = 0.0, time.process_time()
 
     def look(_: int, frame: FrameType | None) -> None:
         nonlocal spent_s, last_s
         now_s = time.process_time()
-        spent_s, last_s = spent_s + (0.0 if _within(frame, design.__file__) else now_s - last_s), now_s
+        spent_s, last_s = spent_s + (0.0 if _within(frame, chain.__file__) else now_s - last_s), now_s
         if spent_s > timeout_s:
             raise _TooLong
 

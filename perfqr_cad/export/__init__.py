@@ -19,7 +19,7 @@ from typing import Any
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.export.design_view import DesignView
-from perfqr_cad.export.staging import probe, staged
+from perfqr_cad.export.staging import check_writable, staged
 from perfqr_cad.progress import tell
 
 # Suffix -> module of this package; loaded on use, since several pull in a heavy library.
@@ -32,7 +32,7 @@ FORMATS: dict[str, str] = {
     ".dxf": "dxf",
     ".scad": "scad",
     ".glb": "glb",
-    ".png": "png",
+    ".png": "picture",
     ".vtu": "vtu",
     ".html": "report",
     ".json": "certificate",
@@ -77,7 +77,7 @@ def check(outputs: Sequence[str | Path]) -> None:
         module_of(target)
         if taken := next((folder for folder in target.parents if folder in targets), None):
             raise DesignError(f"{taken} cannot be a file and a folder: name one of them otherwise")
-        probe(target)
+        check_writable(target)
 
 
 def write(design: DesignView, path: str | Path) -> FileRecord:

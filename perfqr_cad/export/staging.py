@@ -41,7 +41,7 @@ def staged(folder: Path) -> Generator[Path]:
         raise
 
 
-def probe(target: Path) -> None:
+def check_writable(target: Path) -> None:
     """Raise the `DesignError` that writing this file would, and leave nothing behind."""
     there = next(path for path in target.parents if os.path.exists(path))
     try:

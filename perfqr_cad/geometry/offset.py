@@ -15,12 +15,11 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Loop, Segment
-from perfqr_cad.geometry.rings import following, owners, starts_of
-from perfqr_cad.geometry.segments import Array, Indices
+from perfqr_cad.geometry.rings import following, owners, preceding, starts_of
 from perfqr_cad.geometry.vectors import cross, crossing, left, unit
 
 SMOOTH = 1e-6  # sine of the turn below which two segments join smoothly
@@ -113,9 +112,7 @@ class _Chain:
     @cached_property
     def before(self) -> Indices:
         """(k,) the one before."""
-        before = np.empty_like(self.after)
-        before[self.after] = np.arange(len(before))
-        return before
+        return preceding(self.start)
 
     @cached_property
     def ahead(self) -> tuple[Array, Array]:
@@ -222,12 +219,8 @@ class _Chain:
     def _evened(self, flares_mm: Array) -> Array:
         """Flares made equal across smooth joints, save those of a fillet, which adapts."""
         joined = np.flatnonzero(self._smooth(EVEN) & ~self.fillet & ~self.fillet[self.after])
-        links = joined, self.after[joined]
-        size = len(flares_mm)
-        _, run = connected_components(
-            coo_array((np.ones(len(joined)), links), shape=(size, size)), directed=False
-        )
-        least = np.full(size, math.inf)
+        run = components(np.column_stack([joined, self.after[joined]]), len(flares_mm))
+        least = np.full(len(flares_mm), math.inf)
         np.minimum.at(least, run, flares_mm)
         return least[run]
 

@@ -7,12 +7,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Segment
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 LEAST_OF_CIRCLE = 8  # chords of a whole circle, however small
 

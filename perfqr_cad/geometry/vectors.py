@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from perfqr_cad.geometry.segments import Array
+from perfqr_cad.geometry.arrays import Array
 
 
 def crossing(p: Array, d: Array, q: Array, e: Array) -> Array:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from perfqr_cad.hosts.body import Array, Body, Index
+from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.hosts.body import Body
 
 
 @dataclass(frozen=True)
@@ -25,8 +26,8 @@ class Probe:
     offset_mm: Array
     wall_mm: Array
     normal: Array
-    front: Index
-    back: Index
+    front: Indices
+    back: Indices
     hidden: NDArray[np.bool_]
 
 

@@ -2,8 +2,8 @@
 
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.compose import build
-from perfqr_cad.pattern.drawing.surround import Hole, Surround
 from perfqr_cad.pattern.pattern import Optimality, Pattern
 from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.pattern.surround import Hole, Surround
 
 __all__ = ["Bridge", "Hole", "Optimality", "Pattern", "PatternSpec", "Surround", "build"]

@@ -2,20 +2,56 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from perfqr_cad import __version__
+from perfqr_cad.export.design_view import DesignView
 
 if TYPE_CHECKING:
     from perfqr_cad.capture import Capture
+    from perfqr_cad.export import FileRecord
     from perfqr_cad.geometry import Triangles
-    from perfqr_cad.pipeline.design import Design
-    from perfqr_cad.structure import SolidCheck
+    from perfqr_cad.pipeline.request import Request
+    from perfqr_cad.scan import ScanReport
+    from perfqr_cad.structure import Reinforcement, SolidCheck, StressField
+    from perfqr_cad.symbol import Symbol
 
 
-def certificate(design: Design) -> dict[str, Any]:
+class Finished(DesignView, Protocol):
+    """What the certificate reads of a design: what exporters may read, and how it came to be."""
+
+    @property
+    def request(self) -> Request: ...
+
+    @property
+    def symbol(self) -> Symbol: ...
+
+    @property
+    def stress(self) -> StressField: ...
+
+    @property
+    def reinforcement(self) -> Reinforcement: ...
+
+    @property
+    def verified(self) -> SolidCheck | None: ...
+
+    @property
+    def scan(self) -> ScanReport: ...
+
+    @property
+    def mass_g(self) -> float: ...
+
+    @property
+    def files(self) -> Sequence[FileRecord]: ...
+
+    @property
+    def timings_s(self) -> Mapping[str, float]: ...
+
+
+def certificate(design: Finished) -> dict[str, Any]:
     """All sections, in the order of the chain."""
     return {
         "payload": payload_text(design),
@@ -32,7 +68,7 @@ def certificate(design: Design) -> dict[str, Any]:
     }
 
 
-def summary(design: Design) -> str:
+def summary(design: Finished) -> str:
     """A few lines for people."""
     pattern, stress, solid = design.pattern, design.stress, design.solid
     size = " × ".join(f"{high - low:.1f}" for low, high in zip(*solid.bbox_mm, strict=True))
@@ -63,7 +99,7 @@ def summary(design: Design) -> str:
     return "\n".join(lines)
 
 
-def payload_text(design: Design) -> str | None:
+def payload_text(design: Finished) -> str | None:
     """The payload as text; None for bytes in no known encoding."""
     from perfqr_cad.symbol import payload_of
 
@@ -99,12 +135,12 @@ def reading(capture: Capture) -> dict[str, Any]:
     }
 
 
-def _symbol(design: Design) -> dict[str, Any]:
+def _symbol(design: Finished) -> dict[str, Any]:
     symbol = design.symbol
     return {"version": symbol.version, "level": symbol.level, "mask": symbol.mask, "modules": symbol.size}
 
 
-def _readability(design: Design) -> dict[str, Any]:
+def _readability(design: Finished) -> dict[str, Any]:
     found = design.pattern.readability
     return {
         "loss": found.total,
@@ -117,7 +153,7 @@ def _readability(design: Design) -> dict[str, Any]:
     }
 
 
-def _connectivity(design: Design) -> dict[str, Any]:
+def _connectivity(design: Finished) -> dict[str, Any]:
     pattern = design.pattern
     return {
         "islands_before": pattern.islands_before,
@@ -135,18 +171,10 @@ def _connectivity(design: Design) -> dict[str, Any]:
 
 def _bodies(triangles: Triangles) -> int:
     """Separate pieces of the part's mesh: triangles that share a vertex belong together."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    faces = triangles.faces
-    edges = faces[:, [0, 1, 1, 2]].reshape(-1, 2)
-    count = len(triangles.vertices)
-    graph = coo_array((np.ones(len(edges), bool), (edges[:, 0], edges[:, 1])), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
-    return len(np.unique(label[faces]))
+    return len(np.unique(triangles.vertex_components[triangles.faces]))
 
 
-def _structure(design: Design) -> dict[str, Any]:
+def _structure(design: Finished) -> dict[str, Any]:
     stress, loop = design.stress, design.reinforcement
     return {
         "material": stress.material,
@@ -182,7 +210,7 @@ def _solid_check(found: SolidCheck) -> dict[str, Any]:
     }
 
 
-def _solid(design: Design) -> dict[str, Any]:
+def _solid(design: Finished) -> dict[str, Any]:
     solid = design.solid
     return {
         "valid": solid.valid,

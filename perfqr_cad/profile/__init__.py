@@ -5,7 +5,7 @@ Walls of the holes and their flare, recessed bars, pockets, letters and the plat
 
 from perfqr_cad.profile.backing import Backing
 from perfqr_cad.profile.caption import Caption
-from perfqr_cad.profile.plan import Plan
+from perfqr_cad.profile.profile import Profile
 from perfqr_cad.profile.walls import Walls
 
-__all__ = ["Backing", "Caption", "Plan", "Walls"]
+__all__ = ["Backing", "Caption", "Profile", "Walls"]

@@ -11,8 +11,8 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Circle, Loop, Region
 from perfqr_cad.profile.colour import DARK, Colour
+from perfqr_cad.profile.loft import Level, Loft
 from perfqr_cad.profile.sections import Sections, halved
-from perfqr_cad.profile.well import Level, Well
 from perfqr_cad.surface import Placement
 
 PROBES = 21  # lines each way at which a bent wall is asked whether it goes on so far behind
@@ -54,5 +54,5 @@ class Backing:
                 "take a smaller gap or a thinner backing"
             )
         levels = Level(near, True), Level(far, True)
-        laid = [loop if whole_circles else halved(loop) for loop in loops]
-        return Sections(tuple(Well((loop, loop), levels) for loop in laid), genus=len(loops) - 1)
+        charted = [loop if whole_circles else halved(loop) for loop in loops]
+        return Sections(tuple(Loft((loop, loop), levels) for loop in charted), genus=len(loops) - 1)

@@ -13,7 +13,7 @@ from perfqr_cad.scan.camera.placing import load_mesh
 from perfqr_cad.scan.decoding.decoders import accepted
 from perfqr_cad.scan.decoding.panel import shared
 from perfqr_cad.scan.facing import turned
-from perfqr_cad.scan.proof import FULL, Plan, certify
+from perfqr_cad.scan.proof import FULL, Schedule, certify
 from perfqr_cad.scan.report import ScanReport
 from perfqr_cad.surface import Placement
 
@@ -30,7 +30,7 @@ def part(
     mesh_step: Callable[[Path], Triangles] | None = None,
     mesh_3mf: Callable[[Path], Triangles] | None = None,
     placement: Placement | None = None,
-    plan: Plan = FULL,
+    schedule: Schedule = FULL,
     decoders: tuple[str, ...] | None = None,
     seed: int = 0,
 ) -> ScanReport:
@@ -62,7 +62,9 @@ def part(
     if placement is None:
         right = None if text is None else accepted(text)
         triangles, behind, notes = turned(triangles, shared(decoders), right)
-    report = certify(triangles, placement, None, text, plan=plan, decoders=decoders, seed=seed, behind=behind)
+    report = certify(
+        triangles, placement, None, text, schedule=schedule, decoders=decoders, seed=seed, behind=behind
+    )
     return replace(report, warnings=(*report.warnings, *notes))
 
 
@@ -72,7 +74,7 @@ def _of_design(path: Path) -> tuple[Path, str | None]:
         certificate = json.loads(path.read_text())
         names = [Path(record["path"]) for record in certificate["files"]]
         payload = certificate["payload"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise DesignError(f"{path} is no certificate of a design ({error}): give a design.json") from error
     written = [path.parent / name.name for name in names] + names
     for suffix in PREFERRED:

@@ -11,20 +11,19 @@ from typing import TYPE_CHECKING, Any
 from perfqr_cad.solid.shape import Solid
 
 if TYPE_CHECKING:
-    from perfqr_cad.solid.assemble import back, build, build_plan, build_region
+    from perfqr_cad.solid.assemble import back, build, build_profile
     from perfqr_cad.solid.step.reader import read_step
     from perfqr_cad.solid.step.write import write_step
 
 _HOMES = {
     "back": "assemble",
     "build": "assemble",
-    "build_plan": "assemble",
-    "build_region": "assemble",
+    "build_profile": "assemble",
     "read_step": "step.reader",
     "write_step": "step.write",
 }
 
-__all__ = ["Solid", "back", "build", "build_plan", "build_region", "read_step", "write_step"]
+__all__ = ["Solid", "back", "build", "build_profile", "read_step", "write_step"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The finished part: an exact boundary, what was measured on it, and its triangles."""
 
 from __future__ import annotations
@@ -9,13 +7,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.triangles import Corner
 from perfqr_cad.profile.colour import LIGHT, Colour
 from perfqr_cad.solid.tables.brep import Brep
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Solid
-
-Corner = tuple[float, float, float]
 
 
 @dataclass(frozen=True)

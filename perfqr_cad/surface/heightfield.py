@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import TensorSpline, tensor
-from perfqr_cad.surface.placement import Array, Placement, pairs, positive
+from perfqr_cad.surface.placement import Placement, pairs, positive
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,10 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-
-Array = NDArray[np.float64]
+from perfqr_cad.geometry.arrays import Array
 
 # Central differences on lengths in mm: the truncation (h²) and rounding (1e-16 / h) errors meet near here.
 STEP_MM = 1e-4

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from perfqr_cad.surface.placement import Array, Placement, pairs, positive
+from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.surface.placement import Placement, pairs, positive
 
 
 @dataclass(frozen=True)

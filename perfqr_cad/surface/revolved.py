@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import Spline, interpolated
-from perfqr_cad.surface.placement import Array, Placement, pairs, positive, thinner
+from perfqr_cad.surface.placement import Placement, pairs, positive, thinner
 
 FINE = 257  # points along a profile where its wall is looked at
 

@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.hosts.body import Body, body_of_mesh
-from perfqr_cad.hosts.tool import manifold_of, triangles_of
-
-Array = NDArray[np.float64]
+from perfqr_cad.hosts.cutters import manifold_of, triangles_of
 
 CELLS_PER_WALL = 2.0  # grid cells across the wall
 MOST_CELLS = 6_000_000  # of the distance grid, about 50 MB; a coarser grid serves larger bodies
@@ -54,7 +53,7 @@ def _depths(body: Body, low: Array, extent: Array, cell: float, wanted_mm: float
     depth.
     """
     from scipy.ndimage import distance_transform_edt
-    from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
+    from scipy.spatial import cKDTree
 
     counts = np.ceil(extent / cell).astype(int) + 2
     inside = _inside(body, low, counts, cell)

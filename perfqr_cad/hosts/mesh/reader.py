@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
-
-Array = NDArray[np.float64]
+from perfqr_cad.geometry.arrays import Array
 
 FORMATS = ("stl", "obj", "ply", "off", "3mf")
 # 3MF core specification 1.3, §3.4: the units a model may be in.

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry import Triangles
-from perfqr_cad.hosts.body import connected, weld
-from perfqr_cad.hosts.tool import manifold_of, triangles_of
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.graph import components
+from perfqr_cad.geometry.triangles import directed_edges
+from perfqr_cad.hosts.body import weld
+from perfqr_cad.hosts.cutters import manifold_of, triangles_of
 
 WELD_SHARE = 1e-6  # of the diagonal: single-precision files round corners by about this
 # A gap round which the rim is shorter than this share of the diagonal is filled flat; a longer one is an
@@ -66,20 +66,20 @@ def mend(mesh: Triangles, part: int | None = None) -> Mended:
     return Mended(_one(bodies, part), duplicates, gaps, dust)
 
 
-def _without_doubles(mesh: Triangles) -> tuple[Index, int]:
+def _without_doubles(mesh: Triangles) -> tuple[Indices, int]:
     """Triangles with distinct corner sets."""
     _, first = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True)
     return mesh.faces[np.sort(first)], len(mesh.faces) - len(first)
 
 
-def _rims(faces: Index) -> Index:
+def _rims(faces: Indices) -> Indices:
     """Directed edges (k, 2) that have no partner."""
-    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    edges = directed_edges(faces)
     _, index, counts = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
     return edges[index[counts == 1]]
 
 
-def _filled(vertices: Array, faces: Index, longest_mm: float) -> tuple[Array, Index, int]:
+def _filled(vertices: Array, faces: Indices, longest_mm: float) -> tuple[Array, Indices, int]:
     """Small gaps closed by a fan about their middle. Raises `KernelError` listing the openings that are
     left.
     """
@@ -111,7 +111,7 @@ def _filled(vertices: Array, faces: Index, longest_mm: float) -> tuple[Array, In
     return np.vstack([vertices, middles]), np.vstack([faces, *fans]), len(loops)
 
 
-def _loops(rims: Index) -> tuple[list[list[int]], int]:
+def _loops(rims: Indices) -> tuple[list[list[int]], int]:
     """Closed chains of rim edges, whichever way each edge runs; and the number of chains that branch."""
     neighbours: dict[int, list[int]] = {}
     for a, b in rims.tolist():
@@ -134,9 +134,9 @@ def _loops(rims: Index) -> tuple[list[list[int]], int]:
     return loops, 0
 
 
-def _refuse_branches(faces: Index) -> None:
+def _refuse_branches(faces: Indices) -> None:
     """Raises `KernelError` with the number of edges at which three triangles or more meet."""
-    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges = np.sort(directed_edges(faces), axis=1)
     counts = np.unique(edges, axis=0, return_counts=True)[1]
     if (bad := int((counts > 2).sum())) > 0:
         raise KernelError(
@@ -145,7 +145,7 @@ def _refuse_branches(faces: Index) -> None:
         )
 
 
-def _consistent(faces: Index) -> Index:
+def _consistent(faces: Indices) -> Indices:
     """All triangles of each connected surface turned the same way."""
     import trimesh
     from trimesh import repair
@@ -157,10 +157,10 @@ def _consistent(faces: Index) -> Index:
 
 def _bodies(mesh: Triangles) -> tuple[list[Triangles], int]:
     """Closed bodies, greatest first, each with the cavities inside it; and how much dust was swept away."""
-    edges = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges = np.sort(directed_edges(mesh.faces), axis=1)
     # Every edge has two triangles by now. Surfaces that share a mere vertex stay apart.
     pairs = np.lexsort(edges.T).reshape(-1, 2) // 3
-    label = connected(pairs, len(mesh.faces))
+    label = components(pairs, len(mesh.faces))
     pieces = [_outward(_compact(mesh, label == k)) for k in range(int(label.max()) + 1)]
     pieces.sort(key=lambda m: -m.volume_mm3)
     solid = [p for p in pieces if p.volume_mm3 > DUST_SHARE * pieces[0].volume_mm3]
@@ -216,7 +216,7 @@ def self_crossings(mesh: Triangles) -> int:
     import trimesh
     from trimesh.ray.ray_pyembree import RayMeshIntersector
 
-    edges = np.unique(np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    edges = np.unique(np.sort(directed_edges(mesh.faces), axis=1), axis=0)
     start, span = mesh.vertices[edges[:, 0]], mesh.vertices[edges[:, 1]] - mesh.vertices[edges[:, 0]]
     length = np.linalg.norm(span, axis=1)
     long = length > SHORTEST
@@ -239,7 +239,7 @@ def self_crossings(mesh: Triangles) -> int:
     return int(pierced.sum())
 
 
-def _pierces(mesh: Triangles, triangle: Index, start: Array, span: Array) -> NDArray[np.bool_]:
+def _pierces(mesh: Triangles, triangle: Indices, start: Array, span: Array) -> NDArray[np.bool_]:
     """Whether segments cross triangles, strictly inside both.
 
     Möller and Trumbore in double precision; the ray caster's single precision only proposes.

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Where lines meet planes, cylinders, cones and spheres: closed forms, poles and seams included."""
 
 from __future__ import annotations
@@ -17,7 +15,7 @@ from OCP.Geom import (
     Geom_Surface,
 )
 
-from perfqr_cad.hosts.body import Array
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.solid.kernel.evaluate import frame_of
 
 LEVEL = 1e-14  # of the squared direction: a quadratic coefficient below is none

@@ -83,7 +83,7 @@ class Router:
     def stars(self, pairs: Sequence[Route], limit: float) -> list[Route]:
         """Junctions of three islands cheaper than any two of their `pairs`, no arm over `limit`.
 
-        None on a code so large that finding them would take long. Their arms are not drawn yet: `drawn`
+        None on a code so large that finding them would take long. Their arms are not drawn yet: `with_arms`
         does that for those that are chosen.
         """
         from scipy.sparse.csgraph import dijkstra
@@ -123,7 +123,7 @@ class Router:
                 found.append(Route(names, (junction,), float(total[k])))
         return found
 
-    def drawn(self, star: Route) -> Route:
+    def with_arms(self, star: Route) -> Route:
         """A star with its arms drawn."""
         from scipy.sparse.csgraph import dijkstra
 

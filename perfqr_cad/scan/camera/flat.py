@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from perfqr_cad.scan.camera import layers, photo
 from perfqr_cad.scan.camera.camera import Camera, View, facing_up
 from perfqr_cad.scan.camera.look import Look
-from perfqr_cad.scan.camera.sections import Stack
 from perfqr_cad.scan.camera.skylight import Brightness
+from perfqr_cad.scan.camera.stack import Stack
 
 LEAST_PX = 720  # edge of the printed picture: finer than the camera sees it
 

@@ -89,9 +89,9 @@ def shoot(
     tracer: Tracer, camera: Camera, light: Light, *, gap_mm: float, reflectance: float, seed: int
 ) -> Shot:
     """Film a mesh before a level ground, `gap_mm` below its lowest point."""
-    size, axes = camera.view.size_px, camera.target.axes
-    eye = (camera.eye_mm - camera.target.centre_mm) @ axes.T
-    rows, columns = camera.window(camera.target.centre_mm + tracer.corners @ axes)
+    size, axes = camera.view.size_px, camera.code.axes
+    eye = (camera.eye_mm - camera.code.centre_mm) @ axes.T
+    rows, columns = camera.window(camera.code.centre_mm + tracer.corners @ axes)
     triangle = np.full((size, size), -1, np.int32)
     distance = np.zeros((size, size), np.float32)
     ways = camera.rays(axes, rows, columns)
@@ -109,7 +109,7 @@ def shoot(
     light_there = _irradiance(tracer, points, normals, light, reflectance, rng)
     cover = tracer.on_part(triangle)
     facing = tracer.classes[triangle]  # the last class is that of the ground
-    facing[_deep(distance, cover, camera.target.edge_mm / (camera.view.fill * size))] += DEEP
+    facing[_deep(distance, cover, camera.code.edge_mm / (camera.view.fill * size))] += DEEP
     lit = _spread(light_there.reshape(facing[every].shape).astype(np.float32), facing)
     return Shot(lit * cover, lit * ~cover, cover.astype(np.float32), np.linalg.inv(camera.homography(-floor)))
 

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.outline import Bezier, Line, Segment
-from perfqr_cad.geometry.segments import Array, Indices, by_kind, rounds
-from perfqr_cad.profile.well import Level
+from perfqr_cad.geometry.segments import by_kind, rounds
+from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.charts.chart import Band, Columns, Images, Traces, WallChart
 from perfqr_cad.solid.charts.ruled import box_images, grid_images, oblique, spans_of
 from perfqr_cad.solid.tables.batches import (
@@ -44,7 +45,7 @@ class PlaneChart(WallChart[Plane]):
     def surface(self, depth_mm: float) -> Planes:
         return Planes(np.array([[0.0, 0.0, self._z(depth_mm)]]), UP[None], ALONG[None])
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
+    def columns(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
         kinds = {kind: rows for kind, rows in by_kind([stack[0] for stack in stacks]).items() if len(rows)}
         drawn = [
             tuple(
@@ -99,7 +100,7 @@ def _band(upper: CurveTable, lower: CurveTable, count: int) -> Band:
 
 
 @dataclass(frozen=True, eq=False)
-class _Walls:
+class _WallBatch:
     """Walls of one kind: on which segments, and as in `Band`."""
 
     rows: Indices
@@ -108,13 +109,13 @@ class _Walls:
     outward: NDArray[np.bool_] | bool = True
 
 
-def _walls(rows: Indices, upper: Curves, lower: Curves) -> list[_Walls]:
+def _walls(rows: Indices, upper: Curves, lower: Curves) -> list[_WallBatch]:
     match upper, lower:
         case Lines(), Lines():
-            return [_Walls(rows, _flat(upper, lower))]
+            return [_WallBatch(rows, _flat(upper, lower))]
         case Splines(), Splines():
             surfaces = SplineSurfaces.ruled(upper.poles, lower.poles, BEZIER_KNOTS, 3)
-            return [_Walls(rows, surfaces, box_images(rows))]
+            return [_WallBatch(rows, surfaces, box_images(rows))]
         case Arcs(), Arcs():
             return _round(rows, upper, lower)
         case _:
@@ -128,7 +129,7 @@ def _flat(upper: Lines, lower: Lines) -> Planes:
     return Planes(upper.start, normal / np.linalg.norm(normal, axis=1)[:, None], along)
 
 
-def _round(rows: Indices, upper: Arcs, lower: Arcs) -> list[_Walls]:
+def _round(rows: Indices, upper: Arcs, lower: Arcs) -> list[_WallBatch]:
     """Cylinders and cones between arcs that are concentric and of the same sweep, oblique ones between
     others."""
     apart = np.hypot(*(upper.centre - lower.centre)[:, :2].T)
@@ -138,11 +139,11 @@ def _round(rows: Indices, upper: Arcs, lower: Arcs) -> list[_Walls]:
     found = [_cones(rows[on], upper[on], lower[on])] if len(on) else []
     for count in np.unique(spans[~same]).tolist():
         on = np.flatnonzero(~same & (spans == count))
-        found.append(_Walls(rows[on], *oblique(upper[on], lower[on], count, rows[on])))
+        found.append(_WallBatch(rows[on], *oblique(upper[on], lower[on], count, rows[on])))
     return found
 
 
-def _cones(rows: Indices, upper: Arcs, lower: Arcs) -> _Walls:
+def _cones(rows: Indices, upper: Arcs, lower: Arcs) -> _WallBatch:
     """A cone's axis points to its wider end, as STEP asks (ISO 10303-42: 0 < semi-angle < 90°)."""
     wider = lower.radius - upper.radius
     drop = (upper.centre - lower.centre)[:, 2]
@@ -155,4 +156,4 @@ def _cones(rows: Indices, upper: Arcs, lower: Arcs) -> _Walls:
     axis = UP * np.where(up, 1.0, -1.0)[:, None]
     angle = np.where(cone, np.arctan2(np.abs(wider), drop), 0.0)
     cones = Cones(upper.centre, axis, upper.x, upper.radius, angle)
-    return _Walls(rows, cones, grid_images(rows, turn, fall), ccw)
+    return _WallBatch(rows, cones, grid_images(rows, turn, fall), ccw)

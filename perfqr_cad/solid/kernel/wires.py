@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The edges of wires, head to tail, by their place in a map of all edges."""
 
 from __future__ import annotations

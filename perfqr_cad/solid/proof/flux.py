@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.rings import numbering
-from perfqr_cad.geometry.segments import Array, Indices, quarters
+from perfqr_cad.geometry.segments import quarters
 from perfqr_cad.solid.proof.expected import gauss
 from perfqr_cad.solid.tables.batches import (
     Arcs,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.geometry.segments import Array
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.solid.step.text import UNIT_DIGITS, Part21, real, reals, refs
 from perfqr_cad.solid.tables.batches import (
     Arcs,
@@ -23,7 +23,7 @@ from perfqr_cad.solid.tables.batches import (
 
 if TYPE_CHECKING:
     from perfqr_cad.solid.kernel.modelled import ModelledCurves, ModelledSurfaces
-    from perfqr_cad.solid.step.modelled import Modelled
+    from perfqr_cad.solid.step.modelled import ModelledGeometry
 
 
 class Geometry:
@@ -116,10 +116,10 @@ class Geometry:
             )
 
     @property
-    def _modelled(self) -> Modelled:
-        from perfqr_cad.solid.step.modelled import Modelled
+    def _modelled(self) -> ModelledGeometry:
+        from perfqr_cad.solid.step.modelled import ModelledGeometry
 
-        return Modelled(self._part)
+        return ModelledGeometry(self._part)
 
 
 def _knots(flat: tuple[float, ...]) -> str:

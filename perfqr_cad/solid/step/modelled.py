@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Curves and surfaces of the modeller as STEP geometry (ISO 10303-42): faces of imported solids."""
 
 from __future__ import annotations
@@ -41,7 +39,7 @@ from perfqr_cad.solid.step.text import UNIT_DIGITS, Part21, real, reals, refs
 REBUILD = "writing STEP", "rebuild the faces of other kinds as B-spline surfaces"
 
 
-class Modelled:
+class ModelledGeometry:
     """Writes the modeller's geometry into a file; equal points, directions and axes are written once."""
 
     def __init__(self, part: Part21) -> None:

@@ -13,8 +13,8 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from perfqr_cad.geometry.basis import basis
-from perfqr_cad.geometry.segments import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.spline import basis
 
 RULING_KNOTS = (0.0, 0.0, 1.0, 1.0)
 

@@ -12,8 +12,8 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.rings import following, owners
-from perfqr_cad.geometry.segments import Array, Indices
 from perfqr_cad.solid.tables.batches import Curves, Surfaces
 
 TOLERANCE_MM = 1e-7  # of an exact edge: what solid modellers take for one point (Precision::Confusion)

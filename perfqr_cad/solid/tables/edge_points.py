@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.rings import numbering, owners, starts_of
-from perfqr_cad.geometry.segments import Array, Indices
 from perfqr_cad.solid.tables.batches import Lines, Planes
 from perfqr_cad.solid.tables.brep import Brep, CurveTable
 
@@ -19,7 +19,7 @@ FRACTIONS = np.linspace(0.0, 1.0, PIECES + 1)
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class EdgePoints:
     """What the edges of a shell look like at equal fractions; NaN where they have no curve or image."""
 
     brep: Brep

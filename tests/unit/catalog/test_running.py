@@ -8,7 +8,7 @@ import pytest
 
 from perfqr_cad import catalog
 from perfqr_cad.errors import DesignError, PerfQRError, TemplateError
-from perfqr_cad.pipeline import design
+from perfqr_cad.pipeline import chain
 from perfqr_cad.pipeline.design import Design
 
 
@@ -111,7 +111,7 @@ def test_what_make_takes_is_not_the_templates_own_time(
         while time.process_time() < end_s:
             pass
 
-    monkeypatch.setattr(design, "run", spin)
+    monkeypatch.setattr(chain, "run", spin)
     with pytest.raises(TemplateError, match="returns nothing"):
         built(tmp_path, "return make('A')", timeout_s=0.5)
 

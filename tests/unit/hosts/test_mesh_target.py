@@ -13,6 +13,7 @@ from perfqr_cad.geometry import Triangles
 from perfqr_cad.hosts.mesh import MeshTarget, read_mesh
 from perfqr_cad.hosts.mesh.hollow import hollowed
 from perfqr_cad.hosts.mesh.repair import mend, self_crossings
+from perfqr_cad.profile import Walls
 
 from .imports import SHARED, SKETCH, STRAIGHT, code, few_holes, holes_area, seen
 
@@ -141,18 +142,18 @@ def test_a_solid_mesh_asks_for_hollow_or_depth() -> None:
     mesh = triangles(box(40, 40, 40))
     with pytest.raises(DesignError, match=r"40 mm of material.*set depth.*hollow"):
         MeshTarget.of(mesh, point=(0, 0, 20)).placement(20)
-    target = MeshTarget.of(mesh, point=(0, 0, 20), depth_mm=1.0)
-    solid = target.solid(SKETCH, target.placement(20), STRAIGHT)
+    target = MeshTarget.of(mesh, point=(0, 0, 20))
+    solid = target.solid(SKETCH, target.placement(20, 1.0), Walls(depth_mm=1.0))
     assert mesh.volume_mm3 - solid.volume_mm3 == pytest.approx(holes_area(few_holes()), rel=5e-3)
 
 
 def test_the_flattest_spot_is_taken_and_a_bad_one_refused() -> None:
     mesh = triangles(trimesh.creation.capsule(height=60, radius=20, count=[48, 48]))
-    target = MeshTarget.of(mesh, depth_mm=0.5)
-    normal = target.placement(15).normal([(0, 0)])[0]
+    target = MeshTarget.of(mesh)
+    normal = target.placement(15, 0.5).normal([(0, 0)])[0]
     assert abs(normal[2]) < 0.2
     with pytest.raises(DesignError, match=r"at most .* mm works there|no place"):
-        MeshTarget.of(mesh, depth_mm=0.5, point=(0, 0, 100), direction=(0, 0, -1)).placement(39)
+        MeshTarget.of(mesh, point=(0, 0, 100), direction=(0, 0, -1)).placement(39, 0.5)
 
 
 def test_an_exact_panel_states_its_fit() -> None:

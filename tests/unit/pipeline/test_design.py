@@ -10,7 +10,8 @@ import pytest
 
 import perfqr_cad
 from perfqr_cad import DesignError, Request, make, progress
-from perfqr_cad.pipeline.design import Design, _require_readable, scan_part
+from perfqr_cad.pipeline.chain import _require_readable, scan_part
+from perfqr_cad.pipeline.design import Design
 from perfqr_cad.scan import DecoderResult, ScanReport
 from perfqr_cad.structure import SolidCheck
 

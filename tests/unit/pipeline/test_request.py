@@ -7,10 +7,10 @@ import pytest
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.spec import CHOICES as SPEC_CHOICES
-from perfqr_cad.pipeline import resolve as terms
-from perfqr_cad.pipeline.design import make
+from perfqr_cad.pipeline.chain import make
 from perfqr_cad.pipeline.parameter import Parameter
 from perfqr_cad.pipeline.request import SETTINGS, Request
+from perfqr_cad.pipeline.resolve import DRAFT_DEG, LIP_MM, Terms, resolve
 from perfqr_cad.pipeline.setting import GROUPS, UNITS
 from perfqr_cad.scan import FULL, QUICK
 from perfqr_cad.scan.colours import BACKGROUNDS, FILAMENTS
@@ -39,9 +39,13 @@ def test_corner_holes_have_one_diameter() -> None:
         Request("HELLO", frame_mm=8, hole_mm=((4,), (5,)))
 
 
+def terms(*, plate: bool = True, **settings: object) -> Terms:
+    return resolve(Request("HELLO", **settings), plate=plate)
+
+
 def test_the_frame_reaches_the_pattern() -> None:
     holes = ((0, 21, 2), (3,))
-    surround = terms.spec(Request("HELLO", frame_mm=8, corner_radius_mm=3, hole_mm=holes)).surround
+    surround = terms(frame_mm=8, corner_radius_mm=3, hole_mm=holes).drawing.surround
     assert (surround.frame_mm, surround.corner_radius_mm, len(surround.holes)) == (8, 3, 1)
     assert surround.corner_hole_mm == 3
 
@@ -128,52 +132,52 @@ def test_values_that_cannot_be_meant(name: str, value: float) -> None:
 
 
 def test_a_caption_takes_half_of_its_frame() -> None:
-    caption = terms.caption(Request("HELLO", frame_mm=8, caption="SN 42"))
+    caption = terms(frame_mm=8, caption="SN 42").caption
     assert caption is not None
     assert (caption.text, caption.height_mm, caption.relief_mm) == ("SN 42", 4, 0.4)
-    assert terms.caption(Request("HELLO")) is None
+    assert terms().caption is None
 
 
 def test_a_caption_without_a_frame_is_refused() -> None:
     with pytest.raises(DesignError, match="needs a frame"):
-        terms.caption(Request("HELLO", caption="SN 42"))
+        terms(caption="SN 42")
 
 
 def test_the_backing_has_the_tone_of_the_holes() -> None:
-    dark = terms.backing(Request("HELLO", backing_mm=1))
-    light = terms.backing(Request("HELLO", backing_mm=1, gap_mm=2, tone="inverted"))
+    dark = terms(backing_mm=1).backing
+    light = terms(backing_mm=1, gap_mm=2, tone="inverted").backing
     assert dark is not None
     assert light is not None
     assert max(dark.colour) < 0.1 < 0.9 <= min(light.colour)
     assert (light.thickness_mm, light.gap_mm) == (1, 2)
-    assert terms.look(Request("HELLO", backing_mm=1, gap_mm=2)).gap_mm == 2
+    assert terms(backing_mm=1, gap_mm=2).look.gap_mm == 2
 
 
 def test_a_tilt_that_is_asked_for_is_filmed_from_as_many_sides_as_in_the_full_certificate() -> None:
-    asked = terms.plan(Request("HELLO", scan_tilt_deg=40.0))
+    asked = terms(scan_tilt_deg=40.0).views
     assert asked.tilts_deg == (0.0, 20.0, 30.0, 40.0)
     assert (asked.azimuths_deg, asked.frames) == (FULL.azimuths_deg, FULL.frames)
-    assert terms.plan(Request("HELLO")) == QUICK
+    assert terms().views == QUICK
 
 
 def test_colours_by_name_and_by_number() -> None:
-    plain, asked = Request("HELLO"), Request("HELLO", colour="#ffffff", ground="red")
-    assert min(terms.part_colour(plain)) >= 0.9
-    assert max(terms.part_colour(Request("HELLO", tone="inverted"))) < 0.1
-    assert terms.look(asked).material == pytest.approx((1, 1, 1))
-    assert terms.look(asked).ground[0] > 0.5 > terms.look(asked).ground[1]
-    assert terms.part_colour(asked) == pytest.approx((1, 1, 1))
+    plain, asked = terms(), terms(colour="#ffffff", ground="red")
+    assert min(plain.colour) >= 0.9
+    assert max(terms(tone="inverted").colour) < 0.1
+    assert asked.look.material == pytest.approx((1, 1, 1))
+    assert asked.look.ground[0] > 0.5 > asked.look.ground[1]
+    assert asked.colour == pytest.approx((1, 1, 1))
 
 
 def test_a_colour_that_is_none() -> None:
     with pytest.raises(DesignError, match="colour 'pinkish' is unknown"):
-        terms.look(Request("HELLO", colour="pinkish"))
+        terms(colour="pinkish")
 
 
 @pytest.mark.parametrize(
     ("asked", "plate", "draft_deg", "lip_mm"),
     [
-        ({}, True, terms.DRAFT_DEG, terms.LIP_MM),
+        ({}, True, DRAFT_DEG, LIP_MM),
         ({}, False, 0, 0),
         ({"depth_mm": 1}, True, 0, 0),
         ({"thickness_mm": 0.5}, True, 0, 0),
@@ -185,5 +189,5 @@ def test_a_colour_that_is_none() -> None:
 def test_walls_flare_where_it_helps_and_nothing_else_is_asked(
     asked: dict[str, float], plate: bool, draft_deg: float, lip_mm: float
 ) -> None:
-    settled = terms.settled(Request("HELLO", **asked), plate=plate)
-    assert (settled.draft_deg, settled.lip_mm) == (draft_deg, lip_mm)
+    walls = terms(plate=plate, **asked).walls
+    assert (walls.draft_deg, walls.lip_mm) == (draft_deg, lip_mm)
