@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol
 
+from perfqr_cad.surface import TurnedPlane
+
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.scan import ScanReport
@@ -34,3 +36,8 @@ class DesignView(Protocol):
     def scan(self) -> ScanReport | None: ...
 
     def certificate(self) -> dict[str, Any]: ...
+
+
+def face(design: DesignView) -> Pattern:
+    """The pattern as it lies on the upper face: mirrored where the part is read from below."""
+    return design.pattern.mirrored() if isinstance(design.placement, TurnedPlane) else design.pattern

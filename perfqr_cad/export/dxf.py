@@ -9,7 +9,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.design_view import DesignView, face
 from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop
 from perfqr_cad.geometry.outline import Segment
 from perfqr_cad.pattern import Bridge
@@ -30,10 +30,10 @@ def write(design: DesignView, path: Path) -> None:
     with _without_clock():
         document = _document()
         space = document.modelspace()
-        region = design.pattern.region
+        region = face(design).region
         for loop, layer in [(region.outer, OUTLINE), *((hole, HOLES) for hole in region.holes)]:
             _add_loop(space, loop, {"layer": layer})
-        for bridge in design.pattern.bridges:
+        for bridge in face(design).bridges:
             space.add_lwpolyline(_corners(bridge), format="xy", close=True, dxfattribs={"layer": BRIDGES})
         document.saveas(path)
 

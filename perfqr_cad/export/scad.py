@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.design_view import DesignView, face
 
 CURVE_TOL_MM = 0.01  # chord error of flattened curves: a fifth of a thin layer
 SAME_VOLUME = 1e-6  # relative: a flat part of this volume is the plain extrusion of its outline
@@ -31,7 +31,7 @@ def is_extrusion(design: DesignView) -> bool:
 
 
 def _extrusion(design: DesignView) -> str:
-    loops = [loop.flatten(CURVE_TOL_MM).tolist() for loop in design.pattern.region.loops]
+    loops = [loop.flatten(CURVE_TOL_MM).tolist() for loop in face(design).region.loops]
     xs = [x for x, _ in loops[0]]
     size = max(xs) - min(xs)
     paths: list[list[int]] = []

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.design_view import DesignView, face
 from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop
 from perfqr_cad.pattern import Bridge, Pattern
 
@@ -18,7 +18,7 @@ STAGE_COLOURS = {"function": "#3b6fb6", "connectivity": "#d1342f", "structural":
 
 def write(design: DesignView, path: Path) -> None:
     """Write the reading face of the pattern as one filled path, ready for a cutter."""
-    path.write_text(drawing(design.pattern, title=design.solid.name), "utf-8")
+    path.write_text(drawing(face(design), title=design.solid.name), "utf-8")
 
 
 def drawing(pattern: Pattern, *, title: str, bridges: bool = False) -> str:
