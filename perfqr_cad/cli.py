@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from perfqr_cad import __version__, options
-from perfqr_cad.errors import DesignError, PerfQRError
+from perfqr_cad import __version__, options, scratch, supervised
+from perfqr_cad.errors import DesignError, NotHeldError, PerfQRError
 
 if TYPE_CHECKING:
     from perfqr_cad.table import Table
@@ -30,7 +30,7 @@ app = typer.Typer(
 )
 
 BENCHMARKS = ("symbol", "capture", "pattern", "finder", "margin", "structure", "solid", "scan", "spine")
-BAD_INPUT, INTERRUPTED = 2, 130  # exit codes; 130 is the shell's own for an interrupt
+BAD_INPUT, NOT_HELD, INTERRUPTED = 2, 3, 130  # exit codes; 130 is the shell's own for an interrupt
 EXPERIMENTS = ("table1", "table2", "fig9", "fig11", "fig14", "colours", "materials", "limits", "bunny")
 
 
@@ -185,10 +185,23 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     except (PerfQRError, typer.TyperException) as error:
         message = error.format_message() if isinstance(error, typer.TyperException) else str(error)
         typer.echo("error: " + " ".join(message.split()), err=True)
-        status = BAD_INPUT
+        status = NOT_HELD if isinstance(error, NotHeldError) else BAD_INPUT
     except (typer.Abort, KeyboardInterrupt):
         status = INTERRUPTED
     sys.exit(status or 0)
+
+
+def entry() -> NoReturn:
+    """The command as a program: `main` in a process of its own, which a signal n ends with 128 + n."""
+    scratch.sweep()
+    sys.exit(supervised.run(_status))
+
+
+def _status() -> int:
+    try:
+        main()
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 1
 
 
 def _version(show: bool) -> None:

@@ -18,7 +18,7 @@ thickness = 1.6  # [0.1:0.1:50]
 # play between the ring and the bottle, in diameter, mm
 clearance = 0.4  # [0.05:0.05:10]
 
-# [Shared: Look, Walls, Strength, Proof]
+# [Shared: Look, Walls, Strength, Proof, Files]
 
 
 def build(p):

@@ -13,7 +13,7 @@ diameter = 80.0  # [5:0.1:5000]
 # thickness of the wall, mm
 thickness = 1.6  # [0.1:0.1:50]
 
-# [Shared: Look, Walls, Strength, Proof]
+# [Shared: Look, Walls, Strength, Proof, Files]
 
 
 def build(p):

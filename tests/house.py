@@ -1,7 +1,8 @@
 """The size and shape of the package: `python tests/house.py`.
 
-Prints folders by files and lines, the longest functions and modules, functions of many arguments, and names that
-stand for two things. What is out of the ordinary has its reason in `REASONS`; `tests/unit/test_house.py` holds both.
+Prints folders by files and lines, long functions and modules, functions of many arguments, and names that
+stand for two things. What is out of the ordinary has its reason in `REASONS`; `tests/unit/test_house.py`
+holds both.
 """
 
 from __future__ import annotations

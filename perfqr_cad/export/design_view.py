@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol
 
-from perfqr_cad.surface import TurnedPlane
-
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.scan import ScanReport
@@ -40,4 +38,4 @@ class DesignView(Protocol):
 
 def face(design: DesignView) -> Pattern:
     """The pattern as it lies on the upper face: mirrored where the part is read from below."""
-    return design.pattern.mirrored() if isinstance(design.placement, TurnedPlane) else design.pattern
+    return design.pattern.mirrored() if design.placement.is_turned else design.pattern

@@ -56,7 +56,13 @@ class TensorSpline:
 
 
 def interpolated(x: Array, values: Array) -> Spline:
-    """The not-a-knot cubic through (k, d) values at k ≥ 4 rising parameters."""
+    """The not-a-knot cubic through (k, d) values at k ≥ 4 rising parameters.
+
+    >>> x = np.linspace(0.0, 4.0, 5)
+    >>> cube = interpolated(x, x[:, None] ** 3)
+    >>> round(float(cube([2.5])[0, 0]), 9), round(float(cube([2.5], 1)[0, 0]), 9)
+    (15.625, 18.75)
+    """
     knots = not_a_knot(x)
     return Spline(knots, np.asarray(np.linalg.solve(collocation(knots, x), values), np.float64))
 

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.triangles import directed_edges
 
 # The middle of a triangle strays by up to 4/3 of what its sides' middles do on a sphere.
@@ -25,6 +25,9 @@ def delaunay(polygons: Sequence[Array]) -> Indices:
     """Constrained Delaunay triangles (m, 3), counter-clockwise, of the first polygon less the others.
 
     Indices count the corners of all polygons in turn. Raises `KernelError` when the polygons cross or touch.
+
+    >>> len(delaunay([np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [0.0, 2.0]])]))
+    2
     """
     outline = shapely.Polygon(polygons[0], list(polygons[1:]))
     if not outline.is_valid:
@@ -115,7 +118,7 @@ def _key(sides: Indices) -> Indices:
     return sides[:, 0] * BASE + sides[:, 1]
 
 
-def among(numbers: Indices, known: Indices) -> NDArray[np.bool_]:
+def among(numbers: Indices, known: Indices) -> Mask:
     """Whether numbers are among others, which are sorted; `numpy.isin` takes ten times as long."""
     return known[np.minimum(np.searchsorted(known, numbers), len(known) - 1)] == numbers
 

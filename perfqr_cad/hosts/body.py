@@ -7,11 +7,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.graph import components
 
 if TYPE_CHECKING:
@@ -33,16 +32,16 @@ class Crossings:
     distance_mm: Array
     triangle: Indices
     normal: Array
-    entering: NDArray[np.bool_]
+    entering: Mask
 
 
 @dataclass(frozen=True)
 class Body:
     """A closed mesh, the number of the face each triangle lies on, and unit normals at triangle corners.
 
-    `face_of` (m,) counts from 0; on a plain mesh 0 is outer surface and 1 the walls of cavities.
-    `corner_normals`
-    is (m, 3, 3). `faceted` tells a plain mesh.
+    face_of         (m,) counts from 0; on a plain mesh 0 is outer surface and 1 the walls of cavities
+    corner_normals  (m, 3, 3)
+    faceted         whether it is a plain mesh
     """
 
     triangles: Triangles
@@ -83,8 +82,7 @@ class Body:
 
     def crossings(self, origins: Array, directions: Array) -> Crossings:
         """All crossings of rays (k, 3) with the surface, ahead of their origins; directions are unit
-        vectors.
-        """
+        vectors."""
         triangle, ray, at = self._rays.intersects_id(
             origins, directions, multiple_hits=True, return_locations=True
         )
@@ -115,8 +113,7 @@ class Body:
 
     def samples(self, count: int, seed: int, faces: Indices | None = None) -> tuple[Array, Array, Indices]:
         """Points (count, 3) spread evenly over the surface (or some faces), normals, and numbers of their
-        faces.
-        """
+        faces."""
         weight = self.areas_mm2 if faces is None else self.areas_mm2 * np.isin(self.face_of, faces)
         random = np.random.default_rng(seed)
         triangle = random.choice(len(weight), count, p=weight / weight.sum())
@@ -180,10 +177,9 @@ def body_of_solid(solid: TopoDS_Solid, faces: list[TopoDS_Face]) -> Body:
     return Body(mesh, np.concatenate(tags)[kept], np.concatenate(normals)[kept])
 
 
-def weld(vertices: Array, faces: Indices, tolerance_mm: float) -> tuple[Triangles, NDArray[np.bool_]]:
+def weld(vertices: Array, faces: Indices, tolerance_mm: float) -> tuple[Triangles, Mask]:
     """Vertices closer than the tolerance made one; triangles that lose a corner are dropped (mask
-    returned).
-    """
+    returned)."""
     from scipy.spatial import cKDTree
 
     near = cKDTree(vertices).query_pairs(tolerance_mm, output_type="ndarray")

@@ -1,4 +1,4 @@
-"""Cutters: what is taken away, as prisms for the modeller and as closed meshes for manifold3d."""
+"""Cutters: closed meshes that manifold3d takes away from a body, and the bars that it puts back."""
 
 from __future__ import annotations
 
@@ -11,56 +11,24 @@ import shapely
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.geometry.arrays import Array
-from perfqr_cad.geometry.outline import Loop, Region
+from perfqr_cad.geometry.outline import Loop
 from perfqr_cad.hosts.body import Body
+from perfqr_cad.hosts.host_placement import HostPlacement, Projected
 from perfqr_cad.hosts.host_profile import bar_loops
-from perfqr_cad.hosts.placement import HostPlacement, Projected
+from perfqr_cad.hosts.manifold import manifold_of, triangles_of
 from perfqr_cad.hosts.probe import probe
 from perfqr_cad.hosts.removed_volume import quadrature
 from perfqr_cad.profile import Profile, Walls
 from perfqr_cad.profile.loft import Level, Loft
 from perfqr_cad.profile.recess import top_depth_mm
 from perfqr_cad.solid.mesh import triangulate
-from perfqr_cad.surface import Plane
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
-    from OCP.TopoDS import TopoDS_Shape
 
-SAMPLE_MM = 0.02  # chord error of the outline that feels for the wall
+SAMPLE_MM = 0.02  # chord error of the outline along which the wall is probed
 BITE_MM = 0.1  # how far a bar is let into what it joins: an eighth of the usual web
 CLEARANCE = 0.2  # of the wall: how far cutters stand out before and behind it
-
-
-def prism(body: Body, hole: Loop, placement: Projected, depth_mm: float | None) -> TopoDS_Shape:
-    """A straight prism over a hole, through the wall or down to a flat floor `depth_mm` below its lowest
-    rim.
-    """
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
-    from OCP.gp import gp_Ax3, gp_Trsf
-
-    from perfqr_cad.profile.sections import sections
-    from perfqr_cad.solid.charts.plane import PlaneChart
-    from perfqr_cad.solid.kernel.occ import direction, pnt
-    from perfqr_cad.solid.kernel.to_shape import KernelShape
-    from perfqr_cad.solid.stitch import panel
-
-    uv = hole.flatten()
-    points = placement.point(uv)
-    met = probe(body, points, np.tile(placement.frame_at_centre.axes[2], (len(points), 1)))
-    front = placement.frame_at_centre.to_frame(points)[:, 2] + met.offset_mm
-    margin = CLEARANCE * placement.thickness_mm
-    top = float(front.max()) + margin
-    bottom = (
-        float((front - met.wall_mm).min()) - margin if depth_mm is None else float(front.min()) - depth_mm
-    )
-    plate = PlaneChart(Plane(top - bottom))
-    block = panel(sections([Region(hole.oriented(ccw=True))], top - bottom, Walls(), True), plate)
-    e1, _, n = placement.frame_at_centre.axes
-    place = gp_Trsf()
-    foot = placement.frame_at_centre.to_space([[0.0, 0.0, bottom]])[0]
-    place.SetTransformation(gp_Ax3(pnt(foot), direction(n), direction(e1)), gp_Ax3())
-    return BRepBuilderAPI_Transform(KernelShape(block).solid(), place, True).Shape()
 
 
 def carved_mesh(body: Body, profile: Profile, placement: HostPlacement, walls: Walls) -> Triangles:
@@ -106,12 +74,14 @@ def _drilled(lofts: Sequence[Loft]) -> list[list[Loft]]:
 def _cutters(body: Body, drilled: Sequence[Sequence[Loft]], placement: HostPlacement) -> list[Manifold]:
     """Each hole as a closed mesh that stands out of the wall on both sides (a pocket: only in front)."""
     holes = [hole.loops[0] for hole, *_ in drilled]
-    feelers = [np.vstack([hole.flatten(SAMPLE_MM), quadrature([hole])[0]]) for hole in holes]
-    lines, frames = placement.line(np.vstack(feelers))
+    probed = [np.vstack([hole.flatten(SAMPLE_MM), quadrature([hole])[0]]) for hole in holes]
+    lines, frames = placement.line(np.vstack(probed))
     met = probe(body, lines, frames[:, 2])
     front = lines + met.offset_mm[:, None] * frames[:, 2]
-    splits = np.cumsum([len(uv) for uv in feelers])[:-1]
-    by_hole = zip(*(np.split(felt, splits) for felt in (front, met.offset_mm, met.wall_mm)), strict=True)
+    splits = np.cumsum([len(uv) for uv in probed])[:-1]
+    by_hole = zip(
+        *(np.split(met_there, splits) for met_there in (front, met.offset_mm, met.wall_mm)), strict=True
+    )
     return [
         _cutter(lofts, placement, front, offset, wall, body.faceted)
         for lofts, (front, offset, wall) in zip(drilled, by_hole, strict=True)
@@ -126,18 +96,18 @@ def _cutter(
     wall_mm: Array,
     faceted: bool,
 ) -> Manifold:
-    """One hole, from what was felt under it: front points (k, 3), their offset from the map, and the wall."""
+    """One hole, from what was met under it: front points (k, 3), their offset from the map, and the wall."""
     wall = float(np.nanmax(wall_mm))
     margin = CLEARANCE * wall
     straight = all(len(loft.loops) == 2 and loft.loops[0] == loft.loops[1] for loft in lofts)
     if isinstance(placement, Projected) and straight and not lofts[0].floor:
         return _straight_cutter([loft.loops[0] for loft in lofts], placement, front, wall_mm, margin)
     # A flared through-hole goes on straight from the nominal back to the far end of an uneven wall.
-    proud = margin + float(np.nanmax(np.abs(offset_mm)))
+    before = margin + float(np.nanmax(np.abs(offset_mm)))
     if faceted:  # the lid is as flat as its rim allows: it clears what bulges in the middle
-        proud += float(np.ptp(front @ placement.frame_at_centre.axes[2]))
-    beyond = 0.0 if lofts[0].floor else max(0.0, wall - lofts[0].levels[-1].depth_mm) + proud
-    return _block(lofts, placement, proud, beyond, faceted)
+        before += float(np.ptp(front @ placement.frame_at_centre.axes[2]))
+    beyond = 0.0 if lofts[0].floor else max(0.0, wall - lofts[0].levels[-1].depth_mm) + before
+    return _block(lofts, placement, before, beyond, faceted)
 
 
 def _block(
@@ -193,21 +163,3 @@ def _bars(
     # A cutter is what lies to the right of its loops' travel: bars are given as holes are.
     lofts = [Loft((loop.reversed(), loop.reversed()), levels) for loop in loops]
     return [solid ^ _block([loft], placement, 0.0, max(0.0, beyond), body.faceted) for loft in lofts]
-
-
-def manifold_of(mesh: Triangles) -> Manifold:
-    """manifold3d's form of a closed mesh. Raises `KernelError` when it is none."""
-    import manifold3d
-
-    made = manifold3d.Manifold(
-        manifold3d.Mesh64(np.array(mesh.vertices, np.float64), np.array(mesh.faces, np.uint64))
-    )
-    if made.status() != manifold3d.Error.NoError:
-        raise KernelError(f"the mesh is not a closed body ({made.status().name}): repair it first")
-    return made
-
-
-def triangles_of(manifold: Manifold) -> Triangles:
-    """Triangles of a manifold."""
-    mesh = manifold.to_mesh64()
-    return Triangles(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts))

@@ -10,7 +10,7 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Loop
 from perfqr_cad.hosts.body import Body
-from perfqr_cad.hosts.placement import HostPlacement
+from perfqr_cad.hosts.host_placement import HostPlacement
 from perfqr_cad.hosts.probe import probe
 from perfqr_cad.pattern import Bridge, Pattern
 from perfqr_cad.profile import Profile

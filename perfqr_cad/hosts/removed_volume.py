@@ -10,7 +10,7 @@ import numpy as np
 from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Loop
 from perfqr_cad.geometry.triangulation import delaunay
-from perfqr_cad.hosts.placement import HostPlacement
+from perfqr_cad.hosts.host_placement import HostPlacement
 from perfqr_cad.hosts.probe import probe
 
 if TYPE_CHECKING:
@@ -35,8 +35,7 @@ def removed_volume_mm3(
 
 def quadrature(holes: Sequence[Loop]) -> tuple[Array, Array]:
     """Points (k, 2) and weights (k,) in mm² that integrate over the holes; the weights sum to their exact
-    area.
-    """
+    area."""
     points, weights = [], []
     for hole in holes:
         ring = hole.oriented(ccw=True).flatten(FLATTEN_MM)

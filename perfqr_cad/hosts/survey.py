@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.hosts.probe import probe
@@ -20,6 +20,8 @@ MAX_UNEVEN = 2.0  # greatest over least wall: beyond, one thickness no longer de
 # A hole is read at up to 20-30° of tilt when the wall is 0.6-0.9 of a module high, and only from straight
 # ahead when it is much deeper; a wall over this many modules is a block, not a wall.
 MAX_WALL_MODULES = 5.0
+# A version-1 code with its quiet zone is 29 modules wide: the widest module a code of given size can have.
+LEAST_MODULES = 29
 STEP_SLACK = 0.05  # of the sample spacing: height change that no slope explains
 INSET = 1e-4  # of the code's edge: rays of the rim fall just inside a face of exactly the code's size
 OFF_SPOT = 1e-3  # of the code's edge: the surface at the centre against the frame's origin
@@ -48,7 +50,7 @@ class Survey:
     normal: Array
     front: Indices
     back: Indices
-    hidden: NDArray[np.bool_]
+    hidden: Mask
     faceted: bool = False
 
     @property
@@ -65,6 +67,10 @@ class Survey:
     def thickness_range_mm(self) -> tuple[float, float]:
         """Least and greatest wall."""
         return float(np.nanmin(self.wall_mm)), float(np.nanmax(self.wall_mm))
+
+    def problem(self, depth_mm: float | None) -> str | None:
+        """Why the code cannot be carved here, as through-holes or pockets `depth_mm` deep, or None."""
+        return self.front_problem() or self.wall_problem(depth_mm)
 
     def front_problem(self) -> str | None:
         """Why the front cannot carry the code, or None."""
@@ -94,8 +100,9 @@ class Survey:
             )
         return None
 
-    def wall_problem(self, depth_mm: float | None, wall_limit_mm: float) -> str | None:
+    def wall_problem(self, depth_mm: float | None) -> str | None:
         """Why the wall behind the front cannot be perforated (or pocketed `depth_mm` deep), or None."""
+        wall_limit_mm = MAX_WALL_MODULES * self.size_mm / LEAST_MODULES
         if np.isnan(self.wall_mm).any():
             return "the far side of the wall was not found"
         least, most = self.thickness_range_mm
@@ -118,7 +125,7 @@ class Survey:
             )
         return None
 
-    def _steps(self) -> NDArray[np.bool_]:
+    def _steps(self) -> Mask:
         """Samples next to a height change that the slopes on both sides do not explain."""
         spacing = self.size_mm / (len(self.height_mm) - 1)
         marked = np.zeros(self.height_mm.shape, bool)
@@ -187,5 +194,5 @@ def _neighbours(values: NDArray, axis: int) -> tuple[NDArray, NDArray]:
     return (values[:-1], values[1:]) if axis == 0 else (values[:, :-1], values[:, 1:])
 
 
-def _share(mask: NDArray[np.bool_]) -> str:
+def _share(mask: Mask) -> str:
     return f"{max(mask.mean(), 0.001):.1%}"

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from perfqr_cad.capture import Capture
     from perfqr_cad.export import FileRecord
     from perfqr_cad.geometry import Triangles
+    from perfqr_cad.pipeline.promises import Promise
     from perfqr_cad.pipeline.request import Request
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.structure import Reinforcement, SolidCheck, StressField
@@ -42,6 +43,9 @@ class Finished(DesignView, Protocol):
     def scan(self) -> ScanReport: ...
 
     @property
+    def promises(self) -> Sequence[Promise]: ...
+
+    @property
     def mass_g(self) -> float: ...
 
     @property
@@ -61,6 +65,7 @@ def certificate(design: Finished) -> dict[str, Any]:
         "structure": _structure(design),
         "solid": _solid(design),
         "scan": design.scan.as_dict(),
+        "promises": [promise.as_dict() for promise in design.promises],
         "files": [record.as_dict() for record in design.files],
         "timings_s": {step: round(seconds, 4) for step, seconds in design.timings_s.items()},
         "request": design.request.as_dict(),
@@ -81,7 +86,9 @@ def summary(design: Finished) -> str:
             f"in 3-D    {checked.solid_stress_mpa:.3g} MPa, deflection {checked.solid_deflection_mm:.3g} mm, "
             "the walls taken as upright"
         )
+    weak = [f"WEAK      {design.reinforcement.status}: see strength below"]
     lines = [
+        *([] if design.reinforcement.strong else weak),
         f"payload   {payload_text(design)}",
         f"symbol    version {design.symbol.version}-{design.symbol.level}, mask {design.symbol.mask}, "
         f"L(Q) = {pattern.readability.total:.4g}",
@@ -95,7 +102,9 @@ def summary(design: Finished) -> str:
         f"scan      read by {readers}",
     ]
     lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings, *design.scan.warnings)]
-    lines += [f"wrote     {record.path} ({record.bytes:,} bytes)" for record in design.files]
+    for record in design.files:
+        lines.append(f"wrote     {record.path} ({record.bytes:,} bytes)")
+        lines += [f"          {record.remarks}"] if record.remarks else []
     return "\n".join(lines)
 
 
@@ -162,6 +171,7 @@ def _connectivity(design: Finished) -> dict[str, Any]:
             {"stage": b.stage, "start_mm": list(b.start), "end_mm": list(b.end), "width_mm": b.width_mm}
             for b in pattern.bridges
         ],
+        "area_mm2": pattern.region.area,
         "min_web_mm": pattern.spec.web_mm,
         "changed_area_mm2": pattern.changed_area_mm2,
         "edits": dict(pattern.edits),

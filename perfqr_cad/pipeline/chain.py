@@ -13,8 +13,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from perfqr_cad.errors import DesignError
+from perfqr_cad.errors import DesignError, NotHeldError
 from perfqr_cad.pipeline.design import Design
+from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
+from perfqr_cad.pipeline.promises import promises, require_kept
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
@@ -54,11 +56,23 @@ def asked(text: str | None = None, *, image: str | Path | None = None, **setting
 
 
 def run(request: Request, target: Target | None = None) -> Design:
-    """The whole chain for one request."""
+    """The whole chain for one request.
+
+    Raises `NotHeldError` when the part is weak or unread where it was asked not to be; its message names a
+    change with which the part was made and holds, or says what was tried.
+    """
+    try:
+        return _once(request, target)
+    except NotHeldError as shortfall:
+        raise advised(shortfall, request, lambda changed: _once(changed, target)) from None
+
+
+def _once(request: Request, target: Target | None) -> Design:
     from perfqr_cad import pattern as patterns
     from perfqr_cad import structure
 
     watch = _Stopwatch()
+    require_known(request)
     terms = resolve(request, plate=target is None)
     with watch("symbol"):
         capture, symbol = _source(request, terms)
@@ -74,15 +88,18 @@ def run(request: Request, target: Target | None = None) -> Design:
     case = terms.case_in(site.placement.thickness_mm)
     with watch("structure"):
         reinforced = structure.reinforce(drawn, site.placement, case, method=terms.method)
+    require_borne(request, reinforced)
     verified = None
     if request.verify_solid:
         with watch("solid check"):
             verified = structure.verify_solid(reinforced.pattern, site.placement, case)
     with watch("solid"):
         solid = site.solid(reinforced.pattern, terms)
+    kept = promises(reinforced.pattern, solid)
+    require_kept(kept)
     with watch("scan"):
         report = _filmed(terms, site, solid, reinforced.pattern)
-    _require_readable(report, terms.walls.depth_mm, len(reinforced.bridges))
+    require_read(request, report)
     return Design(
         terms.request,
         capture,
@@ -94,6 +111,7 @@ def run(request: Request, target: Target | None = None) -> Design:
         report,
         watch.seconds,
         verified,
+        kept,
     )
 
 
@@ -103,10 +121,9 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
     Without `text` the payload is what the certificate says, or what the decoders agree on.
     """
     from perfqr_cad import scan
-    from perfqr_cad.hosts.mesh import read_mesh
     from perfqr_cad.hosts.step.meshing import mesh_step
 
-    return scan.part(path, text, mesh_step=mesh_step, mesh_3mf=read_mesh)
+    return scan.part(path, text, mesh_step=mesh_step)
 
 
 def _source(request: Request, terms: Terms) -> tuple[Capture | None, Symbol]:
@@ -140,22 +157,6 @@ def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanRep
         look=terms.look,
         seed=terms.request.seed,
         behind=site.behind(solid),
-    )
-
-
-def _require_readable(report: ScanReport, depth_mm: float | None, strengthenings: int) -> None:
-    """A part that no decoder reads is an error, not a warning."""
-    if report.readers:
-        return
-    if depth_mm is not None:
-        remedy = f"raise --size or --level, or take pockets deeper than {depth_mm:g} mm (--depth)"
-    elif strengthenings:
-        remedy = f"{strengthenings} bridges for strength cover it: raise --thickness, or lower the load"
-    else:
-        remedy = "raise --size or --level, or lower --thickness"
-    tried = ", ".join(report.decoders)
-    raise DesignError(
-        f"none of {len(report.decoders)} decoders ({tried}) reads the part from straight above: {remedy}"
     )
 
 

@@ -206,7 +206,34 @@ class Request:
         range=(1.0, 60.0),
         empty="nothing is asked beyond the view from straight above",
     )
+    require: str | None = setting(
+        None,
+        "decoders that must read the part, by name with commas between",
+        group="Proof",
+        empty="any two",
+        max_length=200,
+    )
+    accept_weak: bool = setting(
+        False, "write the part although it does not bear a load that was asked for", group="Proof"
+    )
+    accept_unread: bool = setting(
+        False, "write the part although it is not read as it should be", group="Proof"
+    )
     seed: int = setting(0, "seed of everything random", group="Proof", range=(0, 2**32 - 1))
+
+    dxf: str = setting(
+        "r2000",
+        "version of DXF files",
+        group="Files",
+        choices=("r2000", "r12:for old programs"),
+    )
+    dxf_bridges: bool = setting(False, "draw bridges in DXF files, on a frozen layer", group="Files")
+    svg: str = setting(
+        "filled",
+        "kind of SVG files",
+        group="Files",
+        choices=("filled:a picture", "cut:hairlines in the colours of a cutter"),
+    )
 
     def __post_init__(self) -> None:
         if (self.text is None) == (self.image is None):

@@ -1,6 +1,7 @@
 """What a pattern becomes in the depth of a wall: loops and heights, before any solid is built.
 
-Walls of the holes and their flare, recessed bars, pockets, letters and the plate behind. No kernel here.
+Walls of the holes and their flare, recessed bars, pockets, letters and the plate behind. All is 2-D with
+depths; no surface in space, no modeller.
 """
 
 from perfqr_cad.profile.backing import Backing

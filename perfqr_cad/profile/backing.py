@@ -23,6 +23,10 @@ class Backing:
     """A plate that follows the back of the part.
 
     gap_mm  between the back of the part and the plate; 0: touching
+
+    >>> Backing(thickness_mm=0.0)
+    Traceback (most recent call last):
+    perfqr_cad.errors.DesignError: a backing 0 mm thick: give a number above 0
     """
 
     thickness_mm: float = 1.0
@@ -41,8 +45,7 @@ class Backing:
 
     def sections(self, loops: tuple[Loop, ...], placement: Placement, whole_circles: bool) -> Sections:
         """Loops of the plate at its two faces. Raises `DesignError` where the wall bends too tightly for
-        it.
-        """
+        it."""
         near = placement.thickness_mm + self.gap_mm
         far = near + self.thickness_mm
         corners = loops[0].flatten()

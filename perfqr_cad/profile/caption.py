@@ -62,8 +62,7 @@ class Caption:
 
     def below(self, pattern: Pattern, thickness_mm: float) -> tuple[Region, ...]:
         """The letters in the middle of the frame below the code. Raises `DesignError` where they do not
-        fit.
-        """
+        fit."""
         surround = pattern.spec.surround
         web = pattern.spec.web_mm
         letters = self.letters()

@@ -1,6 +1,7 @@
-"""Exact solids: a pattern carved into a wall of material, checked, meshed, written as STEP.
+"""Exact solids: a profile on a placement becomes a boundary, is proven, meshed and written as STEP.
 
-The modeller is heavy to load; names below that need it are imported on first use.
+`tables/` hold the boundary, `charts/` map the pattern into space, `kernel/` is the one room of the modeller.
+Nothing here chooses what is made: the profile does. Names that need the modeller are loaded on first use.
 """
 
 from __future__ import annotations

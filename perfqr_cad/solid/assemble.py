@@ -12,7 +12,7 @@ from perfqr_cad.profile.profile import Profile
 from perfqr_cad.profile.sections import Sections
 from perfqr_cad.profile.walls import Walls
 from perfqr_cad.solid.charts.chart import Chart
-from perfqr_cad.solid.charts.plane import PlaneChart
+from perfqr_cad.solid.charts.plane_chart import PlaneChart
 from perfqr_cad.solid.mesh import CHORD_MM, triangulate
 from perfqr_cad.solid.proof import flux
 from perfqr_cad.solid.proof.check import check
@@ -61,13 +61,22 @@ def build_profile(
     colour: Colour = LIGHT,
     chord_mm: float = CHORD_MM,
 ) -> Solid:
-    """The part of a profile; otherwise as `build`."""
+    """The part of a profile; otherwise as `build`.
+
+    >>> from perfqr_cad.geometry import Loop, Region
+    >>> square = Region(Loop.from_points([(0, 0), (4, 0), (4, 4), (0, 4)]))
+    >>> part = build_profile(Profile((square,)), Plane(2.0))
+    >>> part.valid, part.faces, round(part.volume_mm3, 9)
+    (True, 6, 32.0)
+    """
     walls = walls or Walls()
     sections, notes = profile.feasible_sections(
         placement.thickness_mm, walls, whole_circles=chart_of(placement).whole_circles
     )
     solid = _assembled(sections, placement, chord_mm)
-    return replace(solid, notes=notes, name=name, colour=colour)
+    return replace(
+        solid, notes=notes, name=name, colour=colour, letters=profile.letters, relief_mm=profile.relief_mm
+    )
 
 
 def back(

@@ -22,6 +22,10 @@ class HeightField(Placement):
     Holes run along z, so that a reader in front looks straight through them.
 
     heights  B-spline of z in mm over the square |x|, |y| ≤ half_mm; see `HeightField.of`
+
+    >>> wave = HeightField.of(lambda x, y: 2.0 + x / 10, half_mm=20, thickness_mm=1.6)
+    >>> wave.point([(5, 0)]).round(9).tolist()
+    [[5.0, 0.0, 2.5]]
     """
 
     heights: TensorSpline

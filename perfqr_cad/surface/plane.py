@@ -14,7 +14,11 @@ from perfqr_cad.surface.placement import Placement, pairs, positive
 
 @dataclass(frozen=True)
 class Plane(Placement):
-    """The plate of the pattern plane itself; the reader looks along −z."""
+    """The plate of the pattern plane itself; the reader looks along −z.
+
+    >>> Plane(2.0).at_depth([(3, 4)], 0.5).tolist()
+    [[3.0, 4.0, 1.5]]
+    """
 
     thickness_mm: float
 
@@ -44,6 +48,10 @@ class Plane(Placement):
 class TurnedPlane(Plane):
     """The same plate turned over about the y axis: the reader looks along +z at the face z = 0, and the face
     z = thickness shows the code mirrored."""
+
+    @property
+    def is_turned(self) -> bool:
+        return True
 
     def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
         return super().at_depth(uv, depth_mm) * (-1.0, 1.0, -1.0) + (0.0, 0.0, self.thickness_mm)

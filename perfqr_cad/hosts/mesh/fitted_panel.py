@@ -12,7 +12,7 @@ from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import DEGREE, collocation, greville
 from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.frame import Frame
-from perfqr_cad.hosts.placement import Projected
+from perfqr_cad.hosts.host_placement import Projected
 from perfqr_cad.hosts.survey import survey
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ class FittedPanel:
     """A bicubic height field fitted under a code, and the wall behind it.
 
     knots      flat, the same across and up; `heights_mm` are the poles (n, n), rows up, columns right
-    rms_mm, worst_mm   distance between mesh and spline along the axis, over all samples
+    worst_mm   greatest distance between mesh and spline along the axis, over all samples
     """
 
     frame: Frame
@@ -42,7 +42,6 @@ class FittedPanel:
     thickness_mm: float
     knots: Array = field(repr=False)
     heights_mm: Array = field(repr=False)
-    rms_mm: float
     worst_mm: float
 
     def solid(self, pattern: Pattern, walls: Walls) -> Solid:
@@ -91,10 +90,10 @@ def fit_panel(body: Body, placement: Projected, size_mm: float) -> FittedPanel:
         raise DesignError(
             "the code lies too near to the rim for an exact panel: move it 1 % of its size inwards"
         )
-    knots, poles, rms, worst = line, height, 0.0, np.inf
+    knots, poles, worst = line, height, np.inf
     for spans in SPANS:
         knots, poles, error = _least_squares(line, height, spans)
-        rms, worst = float(np.sqrt((error**2).mean())), float(np.abs(error).max())
+        worst = float(np.abs(error).max())
         if worst <= FIT_MM:
             break
     if worst > WORST_SHARE * placement.thickness_mm:
@@ -103,13 +102,12 @@ def fit_panel(body: Body, placement: Projected, size_mm: float) -> FittedPanel:
             f"{worst:.3g} mm "
             f"(limit {WORST_SHARE * placement.thickness_mm:.3g} mm); take a smoother spot, or the mesh result"
         )
-    return FittedPanel(placement.frame_at_centre, size_mm, placement.thickness_mm, knots, poles, rms, worst)
+    return FittedPanel(placement.frame_at_centre, size_mm, placement.thickness_mm, knots, poles, worst)
 
 
 def _least_squares(line: Array, height: Array, spans: int) -> tuple[Array, Array, Array]:
     """Knots, poles (n, n) and residuals of the bicubic of `spans` equal pieces a side nearest to the
-    heights.
-    """
+    heights."""
     breaks = np.linspace(line[0], line[-1], spans + 1)
     knots = np.concatenate([[breaks[0]] * DEGREE, breaks, [breaks[-1]] * DEGREE])
     basis = collocation(knots, line)

@@ -12,10 +12,9 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.hosts.body import Body, body_of_mesh
-from perfqr_cad.hosts.mesh.search import place
+from perfqr_cad.hosts.host_placement import GRID, MARGIN, Projected
+from perfqr_cad.hosts.mesh.mesh_search import place
 from perfqr_cad.hosts.place import PlaceRequest
-from perfqr_cad.hosts.placement import Projected
-from perfqr_cad.hosts.step.imported_face import GRID, LEAST_MODULES, MARGIN
 from perfqr_cad.hosts.survey import Survey, survey
 
 if TYPE_CHECKING:
@@ -26,8 +25,6 @@ if TYPE_CHECKING:
 
 Triple = tuple[float, float, float]
 
-# A mesh is often thicker than a CAD wall and stays readable from the front: the paper's Bunny is.
-MAX_WALL_MODULES = 5.0
 SMOOTHED = 2.0  # samples: half a module of the smallest code
 
 
@@ -42,6 +39,12 @@ class MeshTarget:
     up         what points up in the code; default +z, or +y where the spot looks along z
     hollow_mm  make the body a shell of that thickness first
     exact      give back the panel under the code as an exact B-spline solid instead of the carved mesh
+
+    >>> import trimesh
+    >>> plate = trimesh.creation.box((40, 40, 2))
+    >>> target = MeshTarget.of(Triangles(plate.vertices, plate.faces), point=(0, 0, 1))
+    >>> round(target.placement(24.0).thickness_mm, 6)
+    2.0
     """
 
     path: str | Path | None = None
@@ -67,7 +70,7 @@ class MeshTarget:
     @cached_property
     def outer(self) -> Triangles:
         """The mended, scaled body. Raises `KernelError` or `DesignError` for what cannot be mended."""
-        from perfqr_cad.hosts.mesh.reader import read_mesh
+        from perfqr_cad.geometry.mesh_files import read_mesh
         from perfqr_cad.hosts.mesh.repair import mend
 
         if self.mesh is None and not self.path:
@@ -78,7 +81,7 @@ class MeshTarget:
             factor *= self.extent_mm / float(np.ptp(raw.vertices, axis=0).max() * self.scale)
         if not (np.isfinite(factor) and factor > 0):
             raise DesignError(f"scale {factor:g} is not above 0: give the longest edge in mm, or a factor")
-        return mend(Triangles(raw.vertices * factor, raw.faces), self.part).triangles
+        return mend(Triangles(raw.vertices * factor, raw.faces), self.part)
 
     @cached_property
     def body(self) -> Body:
@@ -108,8 +111,7 @@ class MeshTarget:
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
         """The carved mesh (a `Solid` of triangles only), or with `exact` the B-spline panel under the
-        code.
-        """
+        code."""
         from perfqr_cad.hosts.cutters import carved_mesh
         from perfqr_cad.hosts.host_profile import host_profile, with_fitted_bars
         from perfqr_cad.hosts.mesh.fitted_panel import fit_panel
@@ -134,8 +136,7 @@ class MeshTarget:
         return Path(self.path).stem if self.path else "mesh"
 
     def _problem(self, found: Survey, depth_mm: float | None) -> str | None:
-        limit = MAX_WALL_MODULES * found.size_mm / LEAST_MODULES
-        reason = found.front_problem() or found.wall_problem(depth_mm, limit)
+        reason = found.problem(depth_mm)
         if reason is not None and "set depth" in reason and self.hollow_mm is None:
             return f"{reason}, or hollow (mm) for a shell"
         return reason
@@ -143,8 +144,7 @@ class MeshTarget:
 
 def _projected(body: Body, found: Survey, thickness_mm: float) -> Projected:
     """The projection of a code at a surveyed place on a sheet of a thickness: the mesh with the kinks between
-    its facets smoothed; the rim's heights are kept on beyond the code.
-    """
+    its facets smoothed; the rim's heights are kept on beyond the code."""
     near = survey(body, found.frame, found.size_mm, GRID)
     span = MARGIN * found.size_mm
     line, wider = (np.linspace(-s / 2, s / 2, GRID) for s in (found.size_mm, span))

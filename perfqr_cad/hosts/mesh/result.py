@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
-from perfqr_cad.hosts.cutters import manifold_of
+from perfqr_cad.hosts.manifold import manifold_of
 from perfqr_cad.solid.shape import Solid
 
 

@@ -11,15 +11,16 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
-from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.geometry.arrays import Array, Mask
 from perfqr_cad.geometry.outline import Loop
-from perfqr_cad.hosts.cutters import carved_mesh, prism
+from perfqr_cad.hosts.cutters import carved_mesh
+from perfqr_cad.hosts.host_placement import HostPlacement, Projected
 from perfqr_cad.hosts.host_profile import bar_loops, with_fitted_bars
-from perfqr_cad.hosts.placement import HostPlacement, Projected
 from perfqr_cad.hosts.probe import probe
 from perfqr_cad.hosts.removed_volume import removed_volume_mm3
 from perfqr_cad.hosts.step.face_chart import chart_between
 from perfqr_cad.hosts.step.host import Host
+from perfqr_cad.hosts.step.prism import prism
 from perfqr_cad.profile import Profile, Walls
 from perfqr_cad.profile.loft import Loft
 from perfqr_cad.profile.recess import NoRecess, top_depth_mm
@@ -107,8 +108,7 @@ def _smooth(host: Host, profile: Profile, placement: HostPlacement, walls: Walls
 
 def _barred(host: Host, profile: Profile, placement: HostPlacement, walls: Walls) -> TopoDS_Solid:
     """All holes punched between one face and another, with recessed bars. Raises `NoRecess` where there are
-    more faces.
-    """
+    more faces."""
     if not profile.bars:
         return _holed(host, profile, placement, walls)
     made = profile.sections(placement.thickness_mm, walls, rim=False)
@@ -175,8 +175,7 @@ def _punched(
 
 def _rejoined(host: Host, faces: list[TopoDS_Face], walls: list[TopoDS_Face]) -> TopoDS_Solid:
     """The solid of the given faces: shells that the holes join become one, other voids stay shells of their
-    own.
-    """
+    own."""
     shells = kernel.explore(host.shape, "SHELL")
     if len(shells) == 1:
         return solid_of([*faces, *walls])
@@ -242,7 +241,7 @@ def _edges_under(
     return found
 
 
-def _runs(mask: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
+def _runs(mask: Mask) -> list[NDArray[np.int64]]:
     """The places of true entries, parted where they are not consecutive."""
     index = np.flatnonzero(mask)
     return np.split(index, np.flatnonzero(np.diff(index) > 1) + 1) if len(index) else []

@@ -1,6 +1,5 @@
 """Charts of walls between faces of an imported solid: exact on plane pairs, by Newton and fitted
-elsewhere.
-"""
+elsewhere."""
 
 from __future__ import annotations
 
@@ -17,12 +16,12 @@ from OCP.gp import gp_Trsf, gp_Vec
 from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Segment
 from perfqr_cad.hosts.frame import Frame
-from perfqr_cad.hosts.placement import HostPlacement, Projected
+from perfqr_cad.hosts.host_placement import HostPlacement, Projected
 from perfqr_cad.hosts.step.exact_face import ExactFace
 from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.charts.chart import Chart, Columns
 from perfqr_cad.solid.charts.fitted import Projection, fitted_columns
-from perfqr_cad.solid.charts.plane import PlaneChart
+from perfqr_cad.solid.charts.plane_chart import PlaneChart
 from perfqr_cad.solid.kernel.modelled import ModelledSurfaces
 from perfqr_cad.solid.tables.batches import Move, Surfaces
 from perfqr_cad.solid.tables.brep import Batch
@@ -146,8 +145,7 @@ class FaceChart:
 
     def _sunk(self, depth_mm: float) -> Geom_Surface:
         """The front moved inwards: along the axis of a projection, along its own normals under a wrap; its
-        parameters stay. Cylinders, cones, spheres and tori become such of another radius.
-        """
+        parameters stay. Cylinders, cones, spheres and tori become such of another radius."""
         if isinstance(self.placement, Projected):
             x, y, z = (-depth_mm * self.placement.frame_at_centre.axes[2]).tolist()
             shift = gp_Trsf()

@@ -67,14 +67,12 @@ class Host:
     @cached_property
     def edge_points(self) -> Array:
         """Points (k, 3) along all edges, seams included, at most `EDGE_STEP_MM` apart on edges of common
-        length.
-        """
+        length."""
         return np.vstack([p for face in self.faces for p in kernel.edge_points(face, EDGE_STEP_MM)])
 
     def has_edges_under(self, frame: Frame, size_mm: float, depth_mm: float) -> bool:
         """Whether an edge runs through the box under a code, from just before its front to `depth_mm`
-        behind.
-        """
+        behind."""
         x, y, h = frame.to_frame(self.edge_points).T
         return bool(
             np.any((np.maximum(np.abs(x), np.abs(y)) < size_mm / 2) & (h < depth_mm) & (h > -depth_mm))

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.hosts.host_placement import GRID, MARGIN, HostPlacement, Projected
 from perfqr_cad.hosts.place import PlaceRequest
-from perfqr_cad.hosts.placement import HostPlacement, Projected
-from perfqr_cad.hosts.step.search import place
-from perfqr_cad.hosts.survey import MAX_WALL_MODULES, Survey, survey
+from perfqr_cad.hosts.step.face_search import place
+from perfqr_cad.hosts.survey import Survey, survey
 
 if TYPE_CHECKING:
     from perfqr_cad.geometry import Triangles
@@ -25,12 +25,8 @@ if TYPE_CHECKING:
 
 Triple = tuple[float, float, float]
 
-# A version-1 code with its quiet zone is 29 modules wide: the widest module a code of given size can have.
-LEAST_MODULES = 29
-GRID = 65  # samples a side of the placement's height field
 # Of a wrapped code's edge: what the reader before the centre sees of it on a strongly bent face.
 WRAP_SEEN = 0.8
-MARGIN = 1.02  # the field reaches a little beyond the code, for derivatives on its rim
 
 
 @dataclass(frozen=True)
@@ -46,6 +42,12 @@ class ImportedFace:
     shape      a solid in memory instead of a file: see `of`
     behind     a dark body that the part sits on, seen through its holes: only the camera knows of it (see
                `mesh_shape`)
+
+    >>> from build123d import Box
+    >>> target = ImportedFace.of(Box(40, 40, 2), point=(0, 0, 1))
+    >>> placement = target.placement(24.0)
+    >>> round(placement.thickness_mm, 6), placement.normal((0, 0)).round(6).tolist()
+    (2.0, [[0.0, 0.0, 1.0]])
     """
 
     path: str | Path | None = None
@@ -61,8 +63,7 @@ class ImportedFace:
     @staticmethod
     def of(shape: Any, **place: Any) -> ImportedFace:
         """A face of a solid in memory: a kernel shape, build123d object or CadQuery workplane; `place` as
-        above.
-        """
+        above."""
         return ImportedFace(shape=shape, **place)
 
     @cached_property
@@ -85,7 +86,7 @@ class ImportedFace:
         """
         wanted = PlaceRequest(self.face or None, self.point, self.direction, self.up)
         seen_mm = WRAP_SEEN * size_mm if self.wrap else size_mm
-        found = place(self.host, wanted, seen_mm, partial(_problem, depth_mm=depth_mm))
+        found = place(self.host, wanted, seen_mm, lambda survey: survey.problem(depth_mm))
         placement = (
             self._wrapped(found, size_mm, depth_mm)
             if self.wrap
@@ -111,18 +112,12 @@ class ImportedFace:
         placement = wrapped(face, found.frame, MARGIN * size_mm, found.sheet_mm(depth_mm))
         placement.check(size_mm)
         along = survey_wrapped(self.host.body, placement, size_mm)
-        if (reason := _problem(along, depth_mm)) is not None:
+        if (reason := along.problem(depth_mm)) is not None:
             raise DesignError(
                 f"a code of {size_mm:.4g} mm cannot be wrapped here: {reason}; project it, move it or "
                 f"take it smaller"
             )
         return replace(placement, thickness_mm=along.sheet_mm(depth_mm))
-
-
-def _problem(found: Survey, depth_mm: float | None) -> str | None:
-    """Why a surveyed wall cannot carry the code, or None."""
-    limit = MAX_WALL_MODULES * found.size_mm / LEAST_MODULES
-    return found.front_problem() or found.wall_problem(depth_mm, limit)
 
 
 def projected(host: Host, found: Survey, thickness_mm: float) -> Projected:

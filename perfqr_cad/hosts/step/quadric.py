@@ -36,8 +36,7 @@ class Quadric:
 
     def meet(self, guesses: Array, directions: Array) -> tuple[Array, Array]:
         """Parameters (k, 2) and points (k, 3) where lines meet the surface, nearest to points on them; NaN
-        where they do not.
-        """
+        where they do not."""
         p, d = (guesses - self.origin) @ self.axes.T, directions @ self.axes.T
         with np.errstate(divide="ignore", invalid="ignore"):
             along = -p[:, 2] / d[:, 2] if self.radius is None else self._nearest_root(p, d)

@@ -36,7 +36,7 @@ from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.spline import DEGREE, interpolated
 from perfqr_cad.hosts.frame import Frame
-from perfqr_cad.hosts.placement import HostPlacement
+from perfqr_cad.hosts.host_placement import HostPlacement
 from perfqr_cad.hosts.probe import probe
 from perfqr_cad.hosts.step.host import Host
 from perfqr_cad.solid.kernel import booleans as kernel
@@ -181,8 +181,7 @@ def _bare(surface: Any) -> Any:
 
 def _turned(surface: Any, centre: Array, axes: Array) -> Geom_Surface | None:
     """The surface as an object of its own; a sphere with its poles and seam away from the code. None for
-    kinds whose seam cannot be crossed.
-    """
+    kinds whose seam cannot be crossed."""
     if isinstance(surface, Geom_SphericalSurface):
         middle = np.array(surface.Location().Coord())
         frame = gp_Ax3(pnt(middle), direction(axes[1]), direction(-axes[2]))
@@ -207,8 +206,7 @@ def _lies_on(piece: TopoDS_Face, surface: Geom_Surface) -> bool:
 
 def _chained(pieces: Sequence[TopoDS_Face]) -> list[TopoDS_Edge] | None:
     """The edges that only one of the pieces has, head to tail as seen from outside; None unless they make
-    one ring.
-    """
+    one ring."""
     edges = [TopoDS.Edge_s(e) for piece in pieces for e in occ.explore(piece, EDGE)]
     left = [
         e for e in edges if not BRep_Tool.Degenerated_s(e) and sum(e.IsSame(other) for other in edges) == 1

@@ -11,7 +11,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.frame import Frame
-from perfqr_cad.hosts.placement import Wrapped
+from perfqr_cad.hosts.host_placement import Wrapped
 from perfqr_cad.hosts.probe import probe
 from perfqr_cad.hosts.step.exact_face import ExactFace
 from perfqr_cad.hosts.survey import FINE, INSET, Survey

@@ -22,8 +22,7 @@ from perfqr_cad.pattern.cells.lattice import Cells, Labels, label
 from perfqr_cad.pattern.joining.brush import Field, brush_grid, brush_positions, held_positions
 from perfqr_cad.pattern.joining.junctions import cheapest_without_loss
 from perfqr_cad.pattern.joining.routing import Route, Router
-from perfqr_cad.pattern.joining.spanning import Conflict, Link, cheapest, kruskal
-from perfqr_cad.pattern.pattern import Optimality
+from perfqr_cad.pattern.joining.spanning import Conflict, Link, Optimality, cheapest, kruskal
 from perfqr_cad.symbol import Role, Symbol, layout
 
 AREA_PRICE = 0.06  # expected misread modules that a module's area of change is worth: appearance comes last
@@ -58,7 +57,7 @@ def join(
         return canvas, Optimality(0.0, 0.0, 0.0, 0.0)
     lattice = canvas.lattice
     brush, step = lattice.whole(web_mm), brush_step(lattice.per_module, scale)
-    canvas, labels, held = stand_on_grid(canvas, labels, count, brush, step)
+    canvas, labels, held = widened_to_grid(canvas, labels, count, brush, step)
     grid = brush_grid(labels, held, cell_price(canvas, symbol, solid_is_dark), brush, step)
     router = Router(grid, LENGTH_PRICE * AREA_PRICE * brush * step / lattice.per_module**2, BAR_PRICE)
     pairs = router.pairs()
@@ -104,10 +103,10 @@ def brush_step(per_module: int, scale: int) -> int:
     return min(half * math.ceil(per_module / MOST_STEPS / half), per_module // LEAST_STEPS)
 
 
-def stand_on_grid(
+def widened_to_grid(
     canvas: Canvas, labels: Labels, count: int, brush: int, step: int
 ) -> tuple[Canvas, Labels, Cells]:
-    """Widens the islands on which the brush has no position on its grid, so that it has.
+    """The islands on which the brush has no position on its grid widened, so that it has.
 
     Returns the positions, too, on which the brush is held.
     """

@@ -36,7 +36,7 @@ SLOT = 0.42
 # 2 mm 92/100/100/96 % with 0.34 (0.7 mm), 100/100/96/79 % with 0.25; of 3 mm 50 % at 20° with 0.42 (1.3 mm),
 # 83 % with 0.34, 100 % with 0.25 (0.75 mm). Less than a quarter of a module is not seen: 50 % with 0.17.
 DARK_MM = 0.6
-LEAST_SLOT = 0.25
+LEAST_SLOT_MODULES = 0.25
 
 
 class _Slot(NamedTuple):
@@ -181,7 +181,7 @@ def _slot(canvas: Canvas, bar: RingBar, width: float, spec: PatternSpec) -> _Slo
         first, last = (_cell(canvas, (k, k))[0] for k in bar.pinch)
         slot = first, last
         dark = min(round(SLOT * u), lattice.whole(DARK_MM))
-        tip = outer + inwards * max(0, u - max(gap, dark, round(LEAST_SLOT * u)))
+        tip = outer + inwards * max(0, u - max(gap, dark, round(LEAST_SLOT_MODULES * u)))
 
     def rect(across: tuple[int, int], along: tuple[int, int]) -> Rect:
         """Cells between two lines across the ring, and two along it."""

@@ -1,4 +1,4 @@
-"""The few kernel calls that carving into an imported solid needs, as plain functions."""
+"""Questions to shapes of the modeller, their repair, and the one boolean: what carving into a solid needs."""
 
 from __future__ import annotations
 
@@ -33,8 +33,7 @@ MOST_EDGE_POINTS = 2000
 
 def explore(shape: TopoDS_Shape, kind: Kind) -> list[TopoDS_Shape]:
     """Sub-shapes of one kind, each once, in the kernel's order (the order in which CAD programs number
-    them).
-    """
+    them)."""
     found = occ.distinct(shape, getattr(TopAbs_ShapeEnum, f"TopAbs_{kind}"))
     return [found.FindKey(i) for i in range(1, found.Extent() + 1)]
 
@@ -101,8 +100,7 @@ def sound(solid: TopoDS_Solid, name: str) -> TopoDS_Solid:
 
 def grounded(solid: TopoDS_Solid) -> TopoDS_Solid:
     """The solid with every face's surface where it lies, not moved there by a location: curves are drawn on
-    it.
-    """
+    it."""
     if solid.Location().IsIdentity() and all(face.Location().IsIdentity() for face in explore(solid, "FACE")):
         return solid
     remover = ShapeUpgrade_RemoveLocations()

@@ -2,10 +2,8 @@
 
 3 V = ∮ p · dA over the front, the back (or the floors) and the walls. On the caps dA = p_u × p_v du dv, and
 Green's theorem turns the area integral into ∮ G dv along the loops, ∂G/∂u = p · (p_u × p_v): G = z u on a
-plate,
-G = u · density around an axis, a fine table elsewhere. Walls are ruled between mapped segments. All is
-integrated by
-Gauss rules: exact on a plate up to rounding.
+plate, G = u · density around an axis, a fine table elsewhere. Walls are ruled between mapped segments. All is
+integrated by Gauss rules: exact on a plate up to rounding.
 """
 
 from __future__ import annotations
@@ -167,7 +165,12 @@ def _swept(placement: Placement, depth_mm: float, origin: Array, box: tuple[Arra
 
 
 def gauss(nodes: int, panels: int) -> tuple[Array, Array]:
-    """Nodes and weights on [0, 1], composite over equal panels."""
+    """Nodes and weights on [0, 1], composite over equal panels.
+
+    >>> node, weight = gauss(2, 3)
+    >>> round(float(node**3 @ weight), 12)
+    0.25
+    """
     node, weight = np.polynomial.legendre.leggauss(nodes)
     node, weight = (node + 1) / 2, weight / 2
     starts = np.arange(panels)[:, None]

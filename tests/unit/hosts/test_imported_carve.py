@@ -14,8 +14,8 @@ from OCP.gp import gp_Pnt
 from perfqr_cad import make
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Region
-from perfqr_cad.hosts.cutters import prism
 from perfqr_cad.hosts.step import ImportedFace
+from perfqr_cad.hosts.step.prism import prism
 from perfqr_cad.profile.walls import Walls
 from perfqr_cad.solid.kernel import booleans as kernel
 from perfqr_cad.solid.kernel import occ

@@ -10,9 +10,8 @@ import pytest
 
 import perfqr_cad
 from perfqr_cad import DesignError, Request, make, progress
-from perfqr_cad.pipeline.chain import _require_readable, scan_part
+from perfqr_cad.pipeline.chain import scan_part
 from perfqr_cad.pipeline.design import Design
-from perfqr_cad.scan import DecoderResult, ScanReport
 from perfqr_cad.structure import SolidCheck
 
 
@@ -98,23 +97,6 @@ def test_a_request_that_cannot_be_meant(settings: dict, message: str) -> None:
 def test_an_unknown_setting_is_named() -> None:
     with pytest.raises(DesignError, match="no setting 'size'"):
         make(text="a", size=60)
-
-
-@pytest.mark.parametrize(
-    ("depth_mm", "strengthenings", "remedy"),
-    [
-        (None, 0, "lower --thickness"),
-        (0.8, 0, r"pockets deeper than 0\.8 mm"),
-        (0.8, 3, r"pockets deeper than 0\.8 mm"),
-        (None, 3, "3 bridges for strength cover it: raise --thickness"),
-    ],
-)
-def test_a_part_that_nobody_reads_is_an_error(
-    depth_mm: float | None, strengthenings: int, remedy: str
-) -> None:
-    blind = DecoderResult("zxing-cpp", (0.0,), (0.0,), (1.0,))
-    with pytest.raises(DesignError, match=rf"none of 1 decoders .* {remedy}"):
-        _require_readable(ScanReport("a", {"zxing-cpp": blind}, {}), depth_mm, strengthenings)
 
 
 def test_walls_that_do_not_fit_are_refused_before_the_long_steps(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,7 @@ from perfqr_cad.profile import Profile
 from perfqr_cad.profile.sections import sections
 from perfqr_cad.profile.walls import Walls
 from perfqr_cad.solid import build_profile
-from perfqr_cad.solid.charts.plane import PlaneChart
+from perfqr_cad.solid.charts.plane_chart import PlaneChart
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.solid.kernel.from_shape import brep_of
 from perfqr_cad.solid.kernel.modelled import ModelledSurfaces

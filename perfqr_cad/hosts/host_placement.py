@@ -15,6 +15,8 @@ from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.surface import Distortion, Placement
 from perfqr_cad.surface.placement import pairs
 
+GRID = 65  # samples a side of a projection's height field
+MARGIN = 1.02  # the field reaches a little beyond the code, for derivatives on its rim
 INVERSE_SEEDS = 33  # a side
 INVERSE_STEPS = 20  # fixed-point steps towards the foot of a point on the front
 
@@ -90,10 +92,9 @@ class Projected(HostPlacement):
 
     def distortion(self, size_mm: float) -> Distortion:
         """As the reader before the centre sees it: a projection keeps area and angle, only the tilt
-        counts.
-        """
+        counts."""
         on_the_face = super().distortion(size_mm)
-        return Distortion(0.0, 0.0, 0.0, 0.0, on_the_face.tilt_worst_deg)
+        return Distortion(0.0, 0.0, on_the_face.tilt_worst_deg)
 
 
 @dataclass(frozen=True)
