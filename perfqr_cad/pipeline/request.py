@@ -152,6 +152,9 @@ class Request:
         empty="none",
     )
     gap_mm: float = setting(0.0, "gap before the backing", group="Body", range=(0.0, 500.0))
+    mirror: bool = setting(
+        False, "the face is drawn mirrored, to be read from behind: for stamps and moulds", group="Body"
+    )
     material: str = setting(
         "PLA",
         "what the part is made of",
