@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ from perfqr_cad.pattern.joining.finder import (
     core_bar,
     is_located,
     is_traced,
+    paired_bars,
     recessed_bars,
     recessed_core_bar,
     ring_bars,
@@ -37,6 +39,10 @@ SLOT = 0.42
 # 83 % with 0.34, 100 % with 0.25 (0.75 mm). Less than a quarter of a module is not seen: 50 % with 0.17.
 DARK_MM = 0.6
 LEAST_SLOT = 0.25
+# Modules that a bar on a finder is wide. In the shade of a slot a wide bar is as dark as a narrow one, and an
+# upper ring may be broken once anyhow; beyond three of seven modules from the corner a pinch meets the
+# 1:1:3:1:1 line. Measured: docs/pattern.md.
+WIDE = 1.5
 
 
 class _Slot(NamedTuple):
@@ -54,10 +60,9 @@ def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
     slots: list[_Slot] = []
     flush: list[RingBar] = []
     for ring in rings(symbol.version):
-        if spec.finder == "recessed" and (slot := _recess(draft, ring, symbol.version, spec)) is not None:
-            slots.append(slot)
-        else:
-            flush += _flush(draft, ring, spec)
+        found = _recess(draft, ring, symbol.version, spec) if spec.finder == "recessed" else ()
+        slots += found
+        flush += [] if found else _flush(draft, ring, spec)
     draft = draft.with_solid([slot.bank for slot in slots if slot.bank is not None])
     for pinched in (False, True):
         bars = [[slot.bar] for slot in slots if (slot.bank is not None) == pinched]
@@ -107,21 +112,34 @@ def front_cells(draft: Draft) -> Cells:
     return cells
 
 
-def _recess(draft: Draft, ring: Ring, version: int, spec: PatternSpec) -> _Slot | None:
-    """A bar behind the face that holds a ring; None where the banks do not allow one."""
-    traced = is_traced(ring, version)
-    fine, web = (_modules(draft, width_mm) for width_mm in (spec.line_mm, spec.web_mm))
+def _recess(draft: Draft, ring: Ring, version: int, spec: PatternSpec) -> Sequence[_Slot]:
+    """The slots of the bars behind the face that hold a ring; none where the banks do not allow them."""
+    for bars in _recessed(draft, ring, version, spec):
+        slots = [slot for bar in bars if (slot := _slot(draft, bar, spec)) is not None]
+        if len(slots) == len(bars):
+            return slots
+    return ()
+
+
+def _recessed(draft: Draft, ring: Ring, version: int, spec: PatternSpec) -> Iterator[list[RingBar]]:
+    """Sets of bars behind the face that would hold a ring, the best first."""
+    traced, located = is_traced(ring, version), is_located(ring)
+    web = _modules(draft, spec.web_mm)
+    line = web if spec.bar_width_mm is None else _modules(draft, spec.bar_width_mm)
     clear = max(CLEAR, draft.lattice.whole(spec.gap_mm) / draft.lattice.per_module)
-    bars: list[tuple[RingBar, float]] = []
     if spec.tone == "inverted":
-        bars += [(recessed_core_bar(ring, fine, clear), fine)] if traced else []
-    else:
-        material = _material(draft)
-        if traced or is_located(ring):
-            bars += [(bar, fine) for bar in recessed_bars(ring, fine, clear, material, pinched=True)]
-        if not traced:
-            bars += [(bar, web) for bar in recessed_bars(ring, web, clear, material, pinched=False)]
-    return next(filter(None, (_slot(draft, bar, width, spec) for bar, width in bars)), None)
+        yield from [[recessed_core_bar(ring, line, clear)]] if traced else []
+        return
+    material = _material(draft)
+    if spec.bars > 1 and not located:
+        wide = WIDE if spec.bar_width_mm is None else max(line, web)
+        yield from paired_bars(ring, wide, clear, material, pinched=traced)
+    if spec.bar_width_mm is None and not located:
+        yield from ([bar] for bar in recessed_bars(ring, WIDE, clear, material, pinched=traced))
+    if traced or located:
+        yield from ([bar] for bar in recessed_bars(ring, line, clear, material, pinched=True))
+    if not traced:
+        yield from ([bar] for bar in recessed_bars(ring, max(line, web), clear, material, pinched=False))
 
 
 def _flush(draft: Draft, ring: Ring, spec: PatternSpec) -> list[RingBar]:
@@ -165,11 +183,11 @@ def _with_flush(draft: Draft, chosen: list[RingBar], spec: PatternSpec) -> Draft
     return draft.with_bars([[bar] for bar in upright], "function")
 
 
-def _slot(draft: Draft, bar: RingBar, width: float, spec: PatternSpec) -> _Slot | None:
+def _slot(draft: Draft, bar: RingBar, spec: PatternSpec) -> _Slot | None:
     """The slot that a recessed bar asks for; None where its banks are not straight or it is not void."""
     lattice = draft.lattice
     u = lattice.per_module
-    half, gap = round(width * u / 2), lattice.whole(spec.gap_mm)
+    half, gap = round(bar.width * u / 2), lattice.whole(spec.gap_mm)
     start, end = _cell(draft, bar.start), _cell(draft, bar.end)
     along_x = start[1] == end[1]
     middle = start[1] if along_x else start[0]
