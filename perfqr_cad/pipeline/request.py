@@ -26,6 +26,8 @@ class Request:
     frame_mm         width of a frame around the quiet zone; corner_radius_mm rounds its outer corners
     holes_mm         mounting holes in it: (x, y, diameter) each, from the centre of the code
     corner_hole_mm   diameter of four mounting holes in its corners; None: none
+    bars             recessed bars of a finder ring, 1 or 2; None: 1. bar_height_mm above the back, bar_width_mm
+                     across; None: as reads best (docs/pattern.md)
     caption          a line of text on the frame below the code, letters caption_height_mm high (None: half of
                      the frame) that stand caption_relief_mm out of the face; below 0: engraved so deep
     backing_mm       thickness of a plate backing_gap_mm behind, in the tone of the holes; None: none
@@ -63,6 +65,9 @@ class Request:
     backing_mm: float | None = None
     backing_gap_mm: float = 0.0
     finder: str = "recessed"
+    bars: int | None = None
+    bar_height_mm: float | None = None
+    bar_width_mm: float | None = None
     objective: str = "optimal"
     contour: str = "smooth"
     draft_deg: float | None = None
@@ -107,6 +112,9 @@ _RANGES: tuple[tuple[str, float, float], ...] = (
     ("nozzle_mm", 0.01, 10.0),
     ("quiet_modules", 1, 20),
     ("fillet_mm", 0.0, 100.0),
+    ("bars", 1, 2),
+    ("bar_height_mm", 0.05, 100.0),
+    ("bar_width_mm", 0.05, 100.0),
     ("frame_mm", 0.0, 1000.0),
     ("corner_radius_mm", 0.0, 1000.0),
     ("corner_hole_mm", 0.01, 100.0),

@@ -41,8 +41,9 @@ DARK_MM = 0.6
 LEAST_SLOT = 0.25
 # Modules that a bar on a finder is wide. In the shade of a slot a wide bar is as dark as a narrow one, and an
 # upper ring may be broken once anyhow; beyond three of seven modules from the corner a pinch meets the
-# 1:1:3:1:1 line. Measured: docs/pattern.md.
+# 1:1:3:1:1 line. In modules over 1.6 mm a wide bar is seen as wide, and 2.4 mm are enough. docs/pattern.md.
 WIDE = 1.5
+WIDE_MM = 2.4
 
 
 class _Slot(NamedTuple):
@@ -131,11 +132,12 @@ def _recessed(draft: Draft, ring: Ring, version: int, spec: PatternSpec) -> Iter
         yield from [[recessed_core_bar(ring, line, clear)]] if traced else []
         return
     material = _material(draft)
+    wide = max(web, min(WIDE, _modules(draft, WIDE_MM)))
     if spec.bars > 1 and not located:
-        wide = WIDE if spec.bar_width_mm is None else max(line, web)
+        wide = wide if spec.bar_width_mm is None else max(line, web)
         yield from paired_bars(ring, wide, clear, material, pinched=traced)
     if spec.bar_width_mm is None and not located:
-        yield from ([bar] for bar in recessed_bars(ring, WIDE, clear, material, pinched=traced))
+        yield from ([bar] for bar in recessed_bars(ring, wide, clear, material, pinched=traced))
     if traced or located:
         yield from ([bar] for bar in recessed_bars(ring, line, clear, material, pinched=True))
     if not traced:

@@ -1,0 +1,105 @@
+"""How the finder rings are held: from bars that read from furthest aside to bars that bear most.
+
+The light ring of a finder floats in its slot and hangs on bars from one of its sides. A fingertip on it bends
+the bars by the length of their slot and half the ring, and twists a bar that is not in the middle. One
+cantilever is an estimate: it puts the holds in order, and the structure layer has the last word.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from perfqr_cad.pattern.joining import finder, rings
+from perfqr_cad.pipeline.request import Request
+
+RING = 5.0  # modules across the light ring of a finder, 7 with its dark ring
+LAYER_SHARE = 0.75  # of a nozzle's diameter: the thickest layer that it lays well
+SHADE_MM = 1.2  # depth of a bar's top from which its slot is dark
+STEP_MM = 0.4  # between thicknesses
+THICKEST_MM = 4.0  # zbar reads nothing of thicker plates at 30° (modules of 1.6 mm)
+ALLOWABLE_MPA = 25.0  # of PLA: half its yield stress, which leaves a factor of 2
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Bars of the finder rings in a plate; `width_mm` None: as wide as reads well.
+
+    bars   of each ring, as in `PatternSpec`
+    """
+
+    bars: int
+    height_mm: float
+    width_mm: float | None
+    thickness_mm: float
+
+    def bears_n(self, module_mm: float, allowable_mpa: float = ALLOWABLE_MPA) -> float:
+        """Force of a fingertip in the middle of the weakest finder ring, N.
+
+        >>> [round(Hold(bars, 0.4, None, 1.6).bears_n(1.62), 2) for bars in (1, 2)]
+        [0.32, 0.66]
+        """
+        middle = finder.FLUSH + RING / 2  # of a side, modules from the pattern's corner
+        wide_mm = min(rings.WIDE * module_mm, rings.WIDE_MM) if self.width_mm is None else self.width_mm
+        start_mm = (finder.FLUSH + finder.CLEAR) * module_mm
+        off_mm = middle * module_mm - start_mm - wide_mm / 2
+        if self.bars == 1:
+            lower, upper, twist_mm = wide_mm, wide_mm, off_mm
+        else:
+            lower, upper, twist_mm = 2 * (middle * module_mm - start_mm), 2 * wide_mm, 0.0
+        slots_mm = min(rings.SLOT * module_mm, rings.DARK_MM), module_mm
+        return min(
+            allowable_mpa / _stress_mpa(slot_mm + RING / 2 * module_mm, twist_mm, width_mm, self.height_mm)
+            for slot_mm, width_mm in zip(slots_mm, (lower, upper), strict=True)
+        )
+
+    def applied(self, request: Request) -> Request:
+        """The request with these bars and this thickness."""
+        return replace(
+            request,
+            bars=self.bars,
+            bar_height_mm=self.height_mm,
+            bar_width_mm=self.width_mm,
+            thickness_mm=self.thickness_mm,
+        )
+
+
+def front(thickness_mm: float, nozzle_mm: float) -> tuple[Hold, ...]:
+    """Holds in the order in which readers lose them: narrow bars, wide ones, two, then thicker plates.
+
+    Higher bars come with thicker plates, for their tops must stay in the shade. Size is no part of it: bars
+    and levers grow alike.
+    """
+    holds = [
+        Hold(1, LAYER_SHARE * nozzle_mm, nozzle_mm, thickness_mm),
+        Hold(1, nozzle_mm, None, thickness_mm),
+        Hold(2, nozzle_mm, None, thickness_mm),
+    ]
+    steps = max(0, math.floor((THICKEST_MM - thickness_mm) / STEP_MM + 1e-9))
+    thicker = [round(thickness_mm + k * STEP_MM, 6) for k in range(1, steps + 1)]
+    holds += [Hold(2, round(t - SHADE_MM, 6), None, t) for t in thicker if t - SHADE_MM > nozzle_mm]
+    return tuple(holds)
+
+
+def holding(
+    request: Request, module_mm: float, force_n: float, allowable_mpa: float = ALLOWABLE_MPA
+) -> tuple[Request, ...]:
+    """Requests whose rings should bear a fingertip's force, those that read from furthest aside first.
+
+    The strongest alone when none does: then a factor, a thickness or a reader has to give. A request that
+    names its bars is left as it is.
+    """
+    if any(value is not None for value in (request.bars, request.bar_height_mm, request.bar_width_mm)):
+        return (request,)
+    holds = front(request.thickness_mm, request.nozzle_mm)
+    enough = [hold for hold in holds if hold.bears_n(module_mm, allowable_mpa) >= force_n]
+    strongest = max(holds, key=lambda hold: hold.bears_n(module_mm, allowable_mpa))
+    return tuple(hold.applied(request) for hold in enough or [strongest])
+
+
+def _stress_mpa(lever_mm: float, twist_mm: float, width_mm: float, height_mm: float) -> float:
+    """Von Mises' stress of 1 N at the root of a flat bar, MPa (Roark, rectangular bars in torsion)."""
+    bending = 6 * lever_mm / (width_mm * height_mm**2)
+    long, short = max(width_mm, height_mm), min(width_mm, height_mm)
+    torsion = twist_mm * (3 + 1.8 * short / long) / (long * short**2)
+    return math.hypot(bending, math.sqrt(3) * torsion)
