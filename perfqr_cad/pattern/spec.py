@@ -31,10 +31,10 @@ class PatternSpec:
     min_gap_mm     least width of a hole; None: one nozzle
     fillet_mm      radius in re-entrant corners of the material; None: half the nozzle, 0: sharp
     finder         bars across the dark rings: `panel` one by the corner, flush with the face; `diagonal` the
-                   paper's four at 45°; `recessed` one by the corner, behind the face, and on the rings
+                   paper's four at 45°; `recessed` some by the corners, behind the face, and on the rings
                    that readers trace at the end of a slot that is pinched
-    bars           recessed bars of a finder ring, 1 or 2. Two lie by both ends of one side, and are one over
-                   its whole length where that slot is pinched; they bear more, and cost zxing-cpp some reads
+    bars           recessed bars of a finder ring, 1 or 2. Two lie by both ends of one side, or are one of
+                   twice the width in a slot that is pinched; they bear more, and cost some reads
     bar_height_mm  height of a recessed bar above the back of the part
     bar_width_mm   width of recessed bars; None: wide ones on finders, the least web on alignment patterns.
                    Less than that web, down to a nozzle line, in pinched slots alone: it is then the only
@@ -54,7 +54,7 @@ class PatternSpec:
     style: Style = "square"
     fillet_mm: float | None = None
     finder: FinderStrategy = "recessed"
-    bars: int = 1
+    bars: int = 2
     bar_height_mm: float = 0.4
     bar_width_mm: float | None = None
     objective: Objective = "optimal"

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 from perfqr_cad.pattern.joining import finder, rings
 from perfqr_cad.pipeline.request import Request
+from perfqr_cad.pipeline.resolve import LAYER_SHARE
 
 RING = 5.0  # modules across the light ring of a finder, 7 with its dark ring
-LAYER_SHARE = 0.75  # of a nozzle's diameter: the thickest layer that it lays well
 SHADE_MM = 1.2  # depth of a bar's top from which its slot is dark
 STEP_MM = 0.4  # between thicknesses
 THICKEST_MM = 4.0  # zbar reads nothing of thicker plates at 30° (modules of 1.6 mm)
@@ -37,21 +37,18 @@ class Hold:
         """Force of a fingertip in the middle of the weakest finder ring, N.
 
         >>> [round(Hold(bars, 0.4, None, 1.6).bears_n(1.62), 2) for bars in (1, 2)]
-        [0.32, 0.66]
+        [0.26, 0.56]
         """
-        middle = finder.FLUSH + RING / 2  # of a side, modules from the pattern's corner
         wide_mm = min(rings.WIDE * module_mm, rings.WIDE_MM) if self.width_mm is None else self.width_mm
-        start_mm = (finder.FLUSH + finder.CLEAR) * module_mm
-        off_mm = middle * module_mm - start_mm - wide_mm / 2
-        if self.bars == 1:
-            lower, upper, twist_mm = wide_mm, wide_mm, off_mm
-        else:
-            lower, upper, twist_mm = 2 * (middle * module_mm - start_mm), 2 * wide_mm, 0.0
-        slots_mm = min(rings.SLOT * module_mm, rings.DARK_MM), module_mm
-        return min(
-            allowable_mpa / _stress_mpa(slot_mm + RING / 2 * module_mm, twist_mm, width_mm, self.height_mm)
-            for slot_mm, width_mm in zip(slots_mm, (lower, upper), strict=True)
+        straight_mm = (RING - 2 * finder.CLEAR) * module_mm
+        width_mm = min(self.bars * wide_mm, straight_mm)
+        off_mm = (straight_mm - width_mm) / 2  # of the bar at the lower left from the middle of its side
+        lever_mm = RING / 2 * module_mm
+        lower = _stress_mpa(
+            min(rings.SLOT * module_mm, rings.DARK_MM) + lever_mm, off_mm, width_mm, self.height_mm
         )
+        upper = _stress_mpa(module_mm + lever_mm, off_mm if self.bars == 1 else 0.0, width_mm, self.height_mm)
+        return allowable_mpa / max(lower, upper)
 
     def applied(self, request: Request) -> Request:
         """The request with these bars and this thickness."""

@@ -26,7 +26,7 @@ class Request:
     frame_mm         width of a frame around the quiet zone; corner_radius_mm rounds its outer corners
     holes_mm         mounting holes in it: (x, y, diameter) each, from the centre of the code
     corner_hole_mm   diameter of four mounting holes in its corners; None: none
-    bars             recessed bars of a finder ring, 1 or 2; None: 1. bar_height_mm above the back, bar_width_mm
+    bars             recessed bars of a finder ring, 1 or 2, of bar_height_mm above the back and bar_width_mm
                      across; None: as reads best (docs/pattern.md)
     caption          a line of text on the frame below the code, letters caption_height_mm high (None: half of
                      the frame) that stand caption_relief_mm out of the face; below 0: engraved so deep

@@ -55,7 +55,8 @@ def _bars(request: Request) -> dict[str, Any]:
     """Settings of the recessed bars: as asked for, and what is left open as suits the tilt."""
     chosen: dict[str, Any] = {}
     if request.scan_tilt_deg:  # the smaller the bars, the further from aside zxing-cpp reads: docs/scan.md
-        chosen = {"bar_width_mm": request.nozzle_mm, "bar_height_mm": LAYER_SHARE * request.nozzle_mm}
+        layer_mm = LAYER_SHARE * request.nozzle_mm
+        chosen = {"bars": 1, "bar_width_mm": request.nozzle_mm, "bar_height_mm": layer_mm}
     asked = {name: getattr(request, name) for name in ("bars", "bar_height_mm", "bar_width_mm")}
     return chosen | {name: value for name, value in asked.items() if value is not None}
 

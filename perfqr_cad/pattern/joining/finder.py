@@ -106,33 +106,21 @@ def recessed_bars(ring: Ring, width: float, clear: float, solid: Solid, pinched:
     """
     reach = FLUSH + clear + width + clear
     modules = range(math.ceil(max(PINCHED, reach))) if pinched else range(1, math.ceil(reach))
+    places = sorted(PLACES, key=lambda place: place[0] != "left") if pinched else PLACES
     return [
         _recessed(ring, side, far, width, clear, pinched)
-        for side, far in _places(pinched)
+        for side, far in places
         if all(solid(*_outside(ring, side, ring.size - 1 - k if far else k)) for k in modules)
     ]
 
 
-def paired_bars(ring: Ring, width: float, clear: float, solid: Solid, pinched: bool) -> list[list[RingBar]]:
-    """Where two bars may lie by both ends of one side, the best side first.
-
-    In a pinched slot they are one, as wide as the straight edge bears: there it is dark all along.
-    """
-    modules = range(0 if pinched else 1, ring.size if pinched else ring.size - 1)
-    sides = [
-        side
-        for side, far in _places(pinched)
-        if not far and all(solid(*_outside(ring, side, k)) for k in modules)
+def paired_bars(ring: Ring, width: float, clear: float, solid: Solid) -> list[list[RingBar]]:
+    """Where two bars behind the face may lie by both ends of one side, the best side first."""
+    return [
+        [_recessed(ring, side, far, width, clear, False) for far in (False, True)]
+        for side, far in PLACES
+        if not far and all(solid(*_outside(ring, side, k)) for k in range(1, ring.size - 1))
     ]
-    if pinched:
-        whole = ring.size - 2 * (FLUSH + clear)
-        return [[_bar(ring, side, ring.size / 2, _along(ring, side, 0, ring.size), whole)] for side in sides]
-    return [[_recessed(ring, side, far, width, clear, False) for far in (False, True)] for side in sides]
-
-
-def _places(pinched: bool) -> list[tuple[Side, bool]]:
-    """Sides and ends, the best first."""
-    return sorted(PLACES, key=lambda place: place[0] != "left") if pinched else list(PLACES)
 
 
 def core_bar(ring: Ring, width: float) -> RingBar:

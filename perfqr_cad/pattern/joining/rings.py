@@ -13,6 +13,7 @@ from perfqr_cad.pattern.cells.lattice import Cells
 from perfqr_cad.pattern.drawing.draft import Bar, Draft, Rect
 from perfqr_cad.pattern.joining.finder import (
     CLEAR,
+    FLUSH,
     Ring,
     RingBar,
     Solid,
@@ -132,12 +133,16 @@ def _recessed(draft: Draft, ring: Ring, version: int, spec: PatternSpec) -> Iter
         yield from [[recessed_core_bar(ring, line, clear)]] if traced else []
         return
     material = _material(draft)
-    wide = max(web, min(WIDE, _modules(draft, WIDE_MM)))
-    if spec.bars > 1 and not located:
-        wide = wide if spec.bar_width_mm is None else max(line, web)
-        yield from paired_bars(ring, wide, clear, material, pinched=traced)
-    if spec.bar_width_mm is None and not located:
-        yield from ([bar] for bar in recessed_bars(ring, wide, clear, material, pinched=traced))
+    wide = max(web, min(WIDE, _modules(draft, WIDE_MM))) if spec.bar_width_mm is None else line
+    if spec.bars > 1 and traced:  # in a pinched slot two bars are one: it is dark all along
+        both = min(2 * wide, ring.size - 2 * (FLUSH + clear))
+        yield from ([bar] for bar in recessed_bars(ring, both, clear, material, pinched=True))
+    elif spec.bars > 1 and not located:
+        yield from paired_bars(ring, max(wide, web), clear, material)
+    if not located:
+        yield from (
+            [bar] for bar in recessed_bars(ring, wide if traced else max(wide, web), clear, material, traced)
+        )
     if traced or located:
         yield from ([bar] for bar in recessed_bars(ring, line, clear, material, pinched=True))
     if not traced:
