@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from perfqr_cad.bench.pattern import plain
+from perfqr_cad.bench.pattern import plain_code
 from perfqr_cad.pattern import PatternSpec, build
 from perfqr_cad.pattern.spec import FinderStrategy
 from perfqr_cad.pipeline.holding import ALLOWABLE_MPA, Hold, front
 from perfqr_cad.progress import tell
 from perfqr_cad.scan import Look, View
-from perfqr_cad.scan.camera.unbuilt import drawn
+from perfqr_cad.scan.camera.preview import plate_scene
 from perfqr_cad.scan.decoding.decoders import CORE, accepted
 from perfqr_cad.scan.decoding.panel import shared
 from perfqr_cad.scan.proof import PATIENCE, reads
@@ -90,9 +90,9 @@ def _shares(way: _Way) -> list[str]:
 
 def _film(way: _Way, version: int, module_mm: float) -> list[tuple[float, frozenset[str]]]:
     """Tilt and decoders that read, view by view."""
-    symbol = plain(version)
+    symbol = plain_code(version)
     pattern = build(symbol, way.spec(module_mm * (symbol.size + 8)))
-    scene = drawn(pattern, way.thickness_mm, draft_deg=DRAFT_DEG, lip_mm=LIP_MM)
+    scene = plate_scene(pattern, way.thickness_mm, draft_deg=DRAFT_DEG, lip_mm=LIP_MM)
     size_px = max(LEAST_VIEW_PX, round(VIEW_MODULE_PX * (symbol.size + 8) / 0.7))
     views = [View(tilt, azimuth, size_px=size_px) for tilt in TILTS_DEG for azimuth in AZIMUTHS_DEG]
     right = accepted(payload_of(symbol).data)
