@@ -59,7 +59,7 @@ def test_a_conflict_is_avoided_when_another_way_costs_less():
     assert sorted(chosen) in ([0, 2], [1, 2])
 
 
-def test_without_time_the_tree_is_returned_with_an_honest_gap():
+def test_without_search_the_tree_is_returned_with_an_honest_gap():
     pairs, trios = random_links(1)
     links = [*pairs, *trios]
     chosen, proof = cheapest(links, (), 0)
