@@ -1,9 +1,10 @@
 """Files of a finished part: one format, one module, each with `write(design, path)`.
 
-    write(design, "part.step")     one file, the suffix is the format
-    write_all(design, "out/")      everything that a maker, an engineer or a reader of the report needs
+    write(design, "part.step")           one file, the suffix is the format
+    write_outputs(design, ["out/"])      a folder with everything that a maker or an engineer needs
 
-Nothing is ever half-written: files are made in a folder beside their place and renamed into it.
+Nothing is ever half-written: files are made in a folder beside their place and renamed into it. An exporter
+reads a `DesignView` and computes nothing that a certificate would state.
 """
 
 from __future__ import annotations
@@ -18,12 +19,11 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.omissions import leaves_out, notes
+from perfqr_cad.export.options import DEFAULT, Options
+from perfqr_cad.export.staging import check_writable, staged
 from perfqr_cad.progress import tell
-
-from .design_view import DesignView
-from .omissions import leaves_out, notes
-from .options import DEFAULT, Options
-from .staging import probe, staged
 
 # Suffix -> module of this package; loaded on use, since several pull in a heavy library.
 FORMATS: dict[str, str] = {
@@ -35,7 +35,7 @@ FORMATS: dict[str, str] = {
     ".dxf": "dxf",
     ".scad": "scad",
     ".glb": "glb",
-    ".png": "png",
+    ".png": "picture",
     ".vtu": "vtu",
     ".html": "report",
     ".json": "certificate",
@@ -84,30 +84,24 @@ class FileRecord:
 def check(outputs: Sequence[str | Path]) -> None:
     """Refuse, before any long computation, what `write_outputs` could not write.
 
-    Raises `DesignError` for an unknown suffix, a missing folder of a single file, and a folder that cannot
-    be written to.
+    Raises `DesignError` for an unknown suffix, a name that is to be a file and a folder, and a folder or a
+    name that cannot be written to.
     """
-    folders = {Path(output) for output in outputs if _is_folder(output)}
-    for target in _targets(outputs):
+    targets = _targets(outputs)
+    for target in targets:
         module_of(target)
-        probe(target.parent, create=target.parent in folders)
+        if taken := next((folder for folder in target.parents if folder in targets), None):
+            raise DesignError(f"{taken} cannot be a file and a folder: name one of them otherwise")
+        check_writable(target)
 
 
 def write(design: DesignView, path: str | Path, options: Options = DEFAULT) -> FileRecord:
-    """Write one file; its suffix is the format. The folder must exist.
+    """Write one file; its suffix is the format. Its folder is made if need be.
 
     Raises `DesignError` for an unknown suffix and for a folder that cannot be written to.
     """
     module_of(path)
-    return _write(design, [Path(path)], set(), options)[0]
-
-
-def write_all(design: DesignView, folder: str | Path, options: Options = DEFAULT) -> tuple[FileRecord, ...]:
-    """Write `FILES`, the certificate last, with the sizes and hashes of the others.
-
-    The folder is made if need be. Raises `DesignError` for one that cannot be written to.
-    """
-    return write_outputs(design, [f"{folder}/"], options)
+    return _write(design, [Path(path)], options)[0]
 
 
 def write_outputs(
@@ -115,11 +109,10 @@ def write_outputs(
 ) -> tuple[FileRecord, ...]:
     """Write several files and folders; each certificate among them lists all files that are none.
 
-    An output that ends in `/`, has no suffix or is a folder gets `FILES`. All appear or, after an error,
-    none. Raises `DesignError` as `check` does.
+    An output that ends in `/`, has no suffix or is a folder gets `FILES`; folders are made if need be. All
+    appear or, after an error, none. Raises `DesignError` as `check` does.
     """
-    made = {Path(output) for output in outputs if _is_folder(output)}
-    return _write(design, _targets(outputs), made, options)
+    return _write(design, _targets(outputs), options)
 
 
 def module_of(path: str | Path) -> str:
@@ -133,15 +126,13 @@ def module_of(path: str | Path) -> str:
     return FORMATS[suffix]
 
 
-def _write(
-    design: DesignView, targets: Sequence[Path], made: set[Path], options: Options
-) -> tuple[FileRecord, ...]:
+def _write(design: DesignView, targets: Sequence[Path], options: Options) -> tuple[FileRecord, ...]:
     modules = {target: module_of(target) for target in targets}
     parts = [target for target in modules if modules[target] != "certificate"]
     certificates = [target for target in modules if modules[target] == "certificate"]
     with ExitStack() as stack:
         folders = dict.fromkeys(target.parent for target in modules)
-        stages = {folder: stack.enter_context(staged(folder, create=folder in made)) for folder in folders}
+        stages = {folder: stack.enter_context(staged(folder)) for folder in folders}
         records: list[FileRecord] = []
         for target in parts:
             tell(f"writing {target.name}")
@@ -164,7 +155,7 @@ def _targets(outputs: Sequence[str | Path]) -> list[Path]:
 
 
 def _is_folder(output: str | Path) -> bool:
-    return str(output).endswith(("/", os.sep)) or not Path(output).suffix or Path(output).is_dir()
+    return str(output).endswith(("/", os.sep)) or not Path(output).suffix or os.path.isdir(output)
 
 
 def _record(target: Path, written: Path) -> FileRecord:

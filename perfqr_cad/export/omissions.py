@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from perfqr_cad.pattern import Bezier
-
-from . import cutting
-from .design_view import DesignView
+from perfqr_cad.export import cutting
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.geometry import Bezier
 
 FLAT = ("dxf", "svg")  # formats of the pattern's plane
 ONE_BODY = (*FLAT, "stl")
@@ -28,7 +27,7 @@ def notes(design: DesignView, module: str) -> tuple[str, ...]:
     work = cutting.cut(design)
     curved = any(isinstance(s, Bezier) for loop in (*work.engrave, *work.through) for s in loop.segments)
     if module == "dxf" and curved:
-        from .dxf import ARC_TOL_MM
+        from perfqr_cad.export.dxf import ARC_TOL_MM
 
         return (*cutting.notes(design), f"curves are arcs within {ARC_TOL_MM:g} mm")
     return cutting.notes(design)

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Any, get_args
 
 from perfqr_cad.errors import DesignError
-
-from .dxf import DxfVersion
-from .svg import SvgVariant
+from perfqr_cad.export.dxf import DxfVersion
+from perfqr_cad.export.svg import SvgVariant
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from perfqr_cad.pattern import Loop
-
-from .cutting import engraving, is_extrusion
-from .design_view import DesignView
+from perfqr_cad.export.cutting import engraving, is_extrusion
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.geometry import Loop
 
 if TYPE_CHECKING:
     from perfqr_cad.solid import Solid

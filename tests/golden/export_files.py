@@ -10,7 +10,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from perfqr_cad import export
-from perfqr_cad.pattern import Arc, Bezier, Bridge, Circle, Hole, Line, Loop, PatternSpec, Region, Surround
+from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop, Region
+from perfqr_cad.pattern import Bridge, Hole, PatternSpec, Surround
 
 GOLDEN = Path(__file__).with_name("export")
 NAMES = ("part.svg", "cut.svg", "part.scad")

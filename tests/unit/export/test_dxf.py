@@ -13,7 +13,8 @@ import trimesh
 from ezdxf import path as paths
 
 from perfqr_cad.export import dxf
-from perfqr_cad.pattern import Arc, Bezier, Bridge, Line, Loop, Region
+from perfqr_cad.geometry import Arc, Bezier, Line, Loop, Region
+from perfqr_cad.pattern import Bridge
 
 VERSIONS = pytest.mark.parametrize("version", ["r2000", "r12"])
 OPENSCAD = pytest.mark.skipif(not shutil.which("openscad"), reason="openscad is not installed")
