@@ -100,8 +100,10 @@ def make(
         list[str] | None, _option(help="Mounting holes in the frame: D (corners) or X,Y,D. Repeats.")
     ] = None,
     caption: Annotated[
-        str | None, _option("--caption", "--text", help="A line on the frame below the code.")
+        str | None, _option("--caption", "--text", help="Text on the frame; may have several lines.")
     ] = None,
+    caption_place: Annotated[str | None, _option(help="bottom or top: below or above the code.")] = None,
+    font: Annotated[str | None, _option(help="Of the caption: an installed font's name, or a file.")] = None,
     backing: Annotated[float | None, _option(help="Thickness of a plate behind, mm.")] = None,
     gap: Annotated[float | None, _option(help="Gap before that plate, mm.")] = None,
     finder: Annotated[str | None, _option(help="Bars of the finder rings: see params.")] = None,

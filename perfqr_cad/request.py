@@ -26,8 +26,11 @@ class Request:
     frame_mm         width of a frame around the quiet zone; corner_radius_mm rounds its outer corners
     holes_mm         mounting holes in it: (x, y, diameter) each, from the centre of the code
     corner_hole_mm   diameter of four mounting holes in its corners; None: none
-    caption          a line of text on the frame below the code, letters caption_height_mm high (None: half of
-                     the frame) that stand caption_relief_mm out of the face; below 0: engraved so deep
+    caption          text on the frame, letters caption_height_mm high (None: half of
+                     the frame, or less where lines need that) that stand caption_relief_mm out of the face;
+                     below 0: engraved so deep. A new line begins another line
+    caption_place    `bottom` or `top`: below or above the code
+    font             of the caption: the name of an installed one, or a file; None: the one that comes along
     backing_mm       thickness of a plate backing_gap_mm behind, in the tone of the holes; None: none
     draft_deg        flare of the hole walls towards the back, behind a straight lip of lip_mm; None: plates
                      with through-holes flare as far as it helps the reader, all else is straight
@@ -60,6 +63,8 @@ class Request:
     caption: str | None = None
     caption_height_mm: float | None = None
     caption_relief_mm: float = 0.4
+    caption_place: str = "bottom"
+    font: str | None = None
     backing_mm: float | None = None
     backing_gap_mm: float = 0.0
     finder: str = "recessed"

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from perfqr_cad.scan import Look, Plan
     from perfqr_cad.scan.look import RGB
     from perfqr_cad.solid import Backing, Caption, Walls
+    from perfqr_cad.solid.caption import Place
     from perfqr_cad.solid.shape import Colour
     from perfqr_cad.structure.loads import Load
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 DRAFT_DEG, LIP_MM = 15.0, 0.2
 LEAST_FLARED_MM = 4 * LIP_MM  # thinner sheets are cut, not printed, and hide little
 LAYER_SHARE = 0.75  # of its diameter: the thickest layer that a nozzle lays well
-CAPTION_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
 
 
 def spec(request: Request) -> PatternSpec:
@@ -76,14 +76,17 @@ def walls(request: Request, *, or_straight: bool = False) -> Walls:
 
 def caption(request: Request) -> Caption | None:
     """What is written on the frame."""
-    from perfqr_cad.solid import Caption
+    from perfqr_cad.solid.caption import Caption, fitting_height_mm
 
     if not request.caption:
         return None
-    height = request.caption_height_mm or CAPTION_SHARE * request.frame_mm
-    if not height:
-        raise DesignError(f"the caption {request.caption!r} needs a frame to stand on: give --frame 8, say")
-    return Caption(request.caption, height, request.caption_relief_mm)
+    if not request.frame_mm:
+        raise DesignError("a caption needs a frame to stand on: give --frame 8, say")
+    height_mm = request.caption_height_mm
+    if height_mm is None:
+        height_mm = fitting_height_mm(request.caption, request.font, request.frame_mm, spec(request).web_mm)
+    place: Place = request.caption_place  # pyright: ignore[reportAssignmentType]  # Caption refuses others
+    return Caption(request.caption, height_mm, request.caption_relief_mm, request.font, place)
 
 
 def backing(request: Request) -> Backing | None:

@@ -44,9 +44,13 @@ frame = 0  # [0:0.5:200]
 corner_radius = 0  # [0:0.5:200]
 # mounting holes in the frame, mm: 3 for one in each corner, or x,y,diameter; x,y,diameter
 hole = ""
-# a line of text on the frame below the code
+# text on the frame; a new line begins another line
 caption = ""
-# height of its capital letters, mm; 0 takes half of the frame
+# on which side of the code it stands
+caption_place = "bottom"  # [bottom:below, top:above]
+# its font: the name of an installed one, or a file; nothing takes the one that comes along
+font = ""
+# height of its capital letters, mm; 0 takes half of the frame, or what its lines leave
 caption_height = 0  # [0:0.1:200]
 # how far letters stand out of the face, mm; below 0 they are engraved
 caption_relief = 0.4  # [-10:0.1:10]

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .backing import Backing
     from .caption import Caption
     from .imported.meshing import mesh_step
+    from .lettering import Lettering
     from .plan import Plan
     from .step import write_step
     from .step_reader import read_step
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "Backing": "backing",
     "Caption": "caption",
+    "Lettering": "lettering",
     "Plan": "plan",
     "back": "assemble",
     "build": "assemble",
@@ -36,6 +38,7 @@ _HOMES = {
 __all__ = [
     "Backing",
     "Caption",
+    "Lettering",
     "Plan",
     "Solid",
     "Walls",

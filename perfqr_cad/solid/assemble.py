@@ -48,8 +48,7 @@ def build(
     """
     plan = plan_of(pattern)
     if caption is not None:
-        letters = caption.below(pattern, placement.thickness_mm)
-        plan = replace(plan, letters=letters, relief_mm=caption.relief_mm)
+        plan = replace(plan, lettering=caption.placed(pattern, placement.thickness_mm))
     return build_plan(plan, placement, walls, name=name, colour=colour, chord_mm=chord_mm)
 
 
@@ -81,7 +80,7 @@ def build_plan(
     walls = walls or Walls()
     stands, notes = plan.sections(placement.thickness_mm, walls, chart_of(placement).whole_circles)
     solid = _stood(stands, placement, chord_mm)
-    return replace(solid, notes=notes, name=name, colour=colour)
+    return replace(solid, notes=notes, name=name, colour=colour, lettering=plan.lettering)
 
 
 def back(

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.outline import Circle, Region
 
-from .caption import lettered
 from .flare import NoFlare
+from .lettering import Lettering
 from .recess import NoRecess
+from .relief import lettered
 from .sections import Sections, sections
 from .walls import Walls
 
@@ -24,7 +25,7 @@ class Plan:
     flush       one region, bars included, for where they cannot lie behind the face; None without bars
     min_web_mm  of the material at the back of drafted walls
     mounts      holes of the front that go straight through whatever the walls do
-    letters     on the first piece, raised by `relief_mm`, or engraved where that is below 0
+    lettering   on the first piece; None without
     """
 
     front: tuple[Region, ...]
@@ -32,8 +33,7 @@ class Plan:
     flush: Region | None = None
     min_web_mm: float = 0.0
     mounts: Collection[Circle] = ()
-    letters: tuple[Region, ...] = ()
-    relief_mm: float = 0.0
+    lettering: Lettering | None = None
 
     def sections(
         self, thickness_mm: float, walls: Walls, whole_circles: bool, *, rim: bool = True
@@ -47,7 +47,7 @@ class Plan:
             straight = replace(walls, draft_deg=0.0)
             found, notes = self._cut(thickness_mm, straight, whole_circles, rim)
             notes = (*notes, f"the walls are straight: {reason}")
-        return lettered(found, self.letters, self.relief_mm), notes
+        return found if self.lettering is None else lettered(found, self.lettering), notes
 
     def _cut(
         self, thickness_mm: float, walls: Walls, whole_circles: bool, rim: bool

@@ -15,6 +15,8 @@ from .brep import Brep
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Solid
 
+    from .lettering import Lettering
+
 Corner = tuple[float, float, float]
 Colour = tuple[float, float, float]
 
@@ -33,6 +35,7 @@ class Solid:
     bbox_mm              least and greatest corner
     notes                what was made otherwise than asked, and why
     extras               further solids of the same part, such as a backing plate
+    lettering            what is written on the face, in the pattern plane; None without
     """
 
     exact: Brep | TopoDS_Solid | None
@@ -49,6 +52,7 @@ class Solid:
     name: str = "perforated-qr"
     colour: Colour = LIGHT
     extras: tuple[Solid, ...] = ()
+    lettering: Lettering | None = None
 
     @cached_property
     def brep(self) -> Brep | None:

@@ -18,6 +18,7 @@ from perfqr_cad.pattern import Bridge
 from perfqr_cad.pattern.outline import Circle, Loop, Region
 from perfqr_cad.solid import (
     Caption,
+    Lettering,
     Plan,
     Solid,
     Walls,
@@ -114,7 +115,7 @@ def part(name: str) -> Solid:
         case "recessed":
             return build_plan(Plan((SLOT, RING), (BAR,), SLOT), Plane(2.0), drafted, name=name, colour=RED)
         case "recessed on a cylinder":
-            plan = Plan((SLOT, RING), (BAR,), SLOT, letters=_letter(), relief_mm=0.3)
+            plan = Plan((SLOT, RING), (BAR,), SLOT, lettering=Lettering(_letter(), 0.3))
             return build_plan(plan, Cylinder(30.0, 2.0), name=name, colour=RED)
         case _:
             return build_region(
