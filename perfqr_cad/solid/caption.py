@@ -26,6 +26,7 @@ FRAME_SHARE = 0.5  # of the frame's width that capital letters take, if nothing 
 LEAST_FLOOR_MM = 0.4  # behind an engraved letter: two printed layers
 LINE_SHARE = 0.5  # of the nozzle: slicers leave out, or close, what is narrower than half a line
 LOST_SHARE = 0.2  # of a letter's ink that may come and go with such details
+MEASURED_MM = 10.0  # height of capitals at which strokes are measured: shares of it, whatever the height
 SLACK_MM = 1e-6  # rounding in lengths that were chosen to fit
 HALVINGS = 30  # of a range in which a limit is sought
 STEPS_PER_MM = 100  # lengths in remedies are multiples of 0.01 mm, on the side where they hold
@@ -88,8 +89,8 @@ class Caption:
         """Whether, so high, letters keep their strokes and gaps when those under half a line go."""
         if height_mm <= 0:
             return False
-        narrowest_mm = LINE_SHARE * nozzle_mm * self.height_mm / height_mm
-        return _lost(self.letters(), narrowest_mm) <= LOST_SHARE
+        narrowest_mm = LINE_SHARE * nozzle_mm * MEASURED_MM / height_mm
+        return _lost(drawn(self.text, MEASURED_MM, self.font), narrowest_mm) <= LOST_SHARE
 
 
 def fitting_height_mm(text: str, font: str | None, frame_mm: float, web_mm: float) -> float:
@@ -102,7 +103,7 @@ def fitting_height_mm(text: str, font: str | None, frame_mm: float, web_mm: floa
 
 @dataclass(frozen=True)
 class _Strip:
-    """The part of a frame that a caption stands in: on one side of a code of some size, a web from the edge."""
+    """The part of a frame that a caption stands in: on one side of a code of some size."""
 
     spec: PatternSpec
     size_mm: float
@@ -163,8 +164,8 @@ def _require_printable(caption: Caption, spec: PatternSpec) -> None:
     frame_mm = caption.extent.height * height_mm + spec.web_mm
     wider = f" and --frame {_up(frame_mm):g}" if frame_mm > spec.surround.frame_mm else ""
     raise DesignError(
-        f"letters of {caption.height_mm:.3g} mm have strokes or gaps narrower than {LINE_SHARE:g} of the nozzle's "
-        f"{spec.nozzle_mm:g} mm: take {_letters_of(height_mm)}{wider}, or a finer --nozzle"
+        f"letters {caption.height_mm:.3g} mm high have strokes or gaps narrower than half a nozzle line "
+        f"({LINE_SHARE * spec.nozzle_mm:g} mm): take {_letters_of(height_mm)}{wider}, or a finer --nozzle"
     )
 
 
@@ -173,10 +174,11 @@ def _require_room(caption: Caption, strip: _Strip) -> None:
     ink = _ink(caption)
     if strip.has_room(ink):
         return
-    wide_mm = caption.height_mm * caption.extent.width
+    remedies = ", ".join([*_more_room(caption, strip, ink), "or a shorter text"])
     raise DesignError(
-        f"a caption {wide_mm:.3g} mm wide comes within {strip.gap_mm(ink):.3g} mm of the edge or a mounting hole "
-        f"(limit {strip.spec.web_mm / 2:g} mm): take {', '.join(_more_room(caption, strip, ink))} or a shorter text"
+        f"a caption {caption.height_mm * caption.extent.width:.3g} mm wide comes within "
+        f"{strip.gap_mm(ink):.3g} mm of the edge or a mounting hole (limit {strip.spec.web_mm / 2:g} mm): "
+        f"take {remedies.removeprefix('or ')}"
     )
 
 
@@ -211,12 +213,13 @@ def _ink(caption: Caption) -> shapely.Polygon:
 
 
 def _lost(letters: Sequence[Region], narrowest_mm: float) -> float:
-    """The greatest share of a letter's area that goes with its strokes, or comes with its gaps, under a width."""
-    inked = np.array([letter.polygon() for letter in letters])
-    step = narrowest_mm / 2
-    opened = shapely.area(shapely.buffer(shapely.buffer(inked, -step), step))
-    closed = shapely.area(shapely.buffer(shapely.buffer(inked, step), -step))
-    return float(np.max(np.maximum(1 - opened / shapely.area(inked), closed / shapely.area(inked) - 1)))
+    """The greatest share of a letter's ink that goes with strokes under a width, or comes with such gaps."""
+    shares: list[float] = []
+    for letter in letters:
+        ink, step = letter.polygon(), narrowest_mm / 2
+        opened, closed = ink.buffer(-step).buffer(step).area, ink.buffer(step).buffer(-step).area
+        shares.append(max(ink.area - opened, closed - ink.area) / ink.area)
+    return max(shares)
 
 
 def _limit(holds: Callable[[float], bool], good: float, bad: float) -> float:

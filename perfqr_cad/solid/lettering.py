@@ -15,26 +15,28 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern.outline import Bezier, Line, Loop, Point, Region, Segment
+from perfqr_cad.pattern.outline import Bezier, Line, Loop, Point, Points, Region, Segment
 
 from .typeface import Glyph, Typeface, typeface, with_letters
 from .winding import near, united
 
 MOST_LETTERS = 500  # a page would cover a metre of frame, and its solid take minutes
 MOST_SEGMENTS = 100_000  # of all letters: what a solid of some minutes has
-# Invisible characters that choose letter forms or directions, and may stand in a text; others have no place
-# in a part: (zero width non-joiner and joiner, left-to-right, right-to-left and Arabic letter mark).
+# Characters that are not seen but choose letter forms or directions: zero width non-joiner and joiner,
+# left-to-right, right-to-left and Arabic letter mark. Others have no place on a part.
 ALLOWED = "\u200c\u200d\u200e\u200f\u061c"
-# A nonspacing mark without any look. By rule W1 of the bidirectional algorithm it goes where the letter before
-# it goes.
+# A nonspacing mark that is not seen. By rule W1 of the bidirectional algorithm it goes with the letter
+# before it.
 MARK = "\U000e01ef"
 SEPARATORS = ("ES", "CS")  # a mark behind them would part the number that they stand in (rule W4)
 NO_SCRIPT = ("Zyyy", "Zinh", "Zzzz")  # common to several, inherited, unknown
 
+Placed = tuple[int, float, float]  # number of a glyph in its font, and where its origin lies, font units
+
 
 @dataclass(frozen=True)
 class Lettering:
-    """Letters in the pattern plane, mm, which stand `relief_mm` out of the face; below 0 they are engraved."""
+    """Letters in the pattern plane, mm, that stand `relief_mm` out of the face; below 0 they are engraved."""
 
     letters: tuple[Region, ...]
     relief_mm: float
@@ -72,10 +74,9 @@ def drawn(text: str, height_mm: float, font: str | None = None) -> tuple[Region,
     """
     face = typeface(font)
     scale = height_mm / face.capital
-    glyphs = _set(text, font)
     outlines: dict[int, tuple[Region, ...]] = {}
     letters: list[Region] = []
-    for number, x, y in glyphs:
+    for number, x, y in _set(text, font):
         if number not in outlines:
             loops = [moved(loop, scale, 0.0, 0.0) for loop in face.outline(number)]
             outlines[number] = united(loops)
@@ -87,8 +88,8 @@ def drawn(text: str, height_mm: float, font: str | None = None) -> tuple[Region,
 def extent(text: str, font: str | None = None) -> Extent:
     """How much room a text takes; otherwise as `drawn`."""
     face = typeface(font)
-    corners = np.vstack([_corners(face, number) + (x, y) for number, x, y in _set(text, font)])
-    (left, low), (right, high) = (f(axis=0) / face.capital for f in (corners.min, corners.max))
+    corners = _corners(face, _set(text, font)) / face.capital
+    (left, low), (right, high) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     return Extent(right - left, low, high)
 
 
@@ -113,20 +114,20 @@ def moved_region(region: Region, scale: float, dx: float, dy: float) -> Region:
 
 
 @lru_cache(maxsize=32)
-def _set(text: str, font: str | None) -> tuple[tuple[int, float, float], ...]:
+def _set(text: str, font: str | None) -> tuple[Placed, ...]:
     """Glyphs with ink and their origins, font units, the lines centred about the origin."""
     lines = _lines(text)
     face = typeface(font)
-    placed: list[tuple[int, float, float]] = []
+    placed: list[Placed] = []
     segments = 0
     for row, line in enumerate(lines):
         glyphs = _line(line, face)
         if not glyphs:
             continue
-        ends = np.vstack([_corners(face, number) + (x, y) for number, x, y in glyphs])[:, 0]
-        left = (ends.min() + ends.max()) / 2
+        ends = _corners(face, glyphs)[:, 0]
+        middle = float(ends.min() + ends.max()) / 2
         baseline = ((len(lines) - 1) / 2 - row) * face.pitch - face.capital / 2
-        placed += [(number, x - left, y + baseline) for number, x, y in glyphs]
+        placed += [(number, x - middle, y + baseline) for number, x, y in glyphs]
         segments += sum(len(loop.segments) for number, _, _ in glyphs for loop in face.outline(number))
     if not placed:
         raise DesignError(f"caption {text!r} draws nothing: give one with letters")
@@ -152,9 +153,9 @@ def _lines(text: str) -> list[str]:
     return lines
 
 
-def _line(line: str, face: Typeface) -> list[tuple[int, float, float]]:
+def _line(line: str, face: Typeface) -> list[Placed]:
     """Glyphs with ink of a line and their origins; its baseline begins at the origin."""
-    placed: list[tuple[int, float, float]] = []
+    placed: list[Placed] = []
     pen = 0.0
     for text, leftward in _directed(line):
         runs = list(_of_one_script(text))
@@ -191,7 +192,7 @@ def _directed(line: str) -> Iterator[tuple[str, bool]]:
 
 
 def _of_one_script(text: str) -> Iterator[tuple[str, str]]:
-    """The parts of a run that are of one script (ISO 15924), with it; what has none goes with its neighbour."""
+    """The parts of a run that are of one script (ISO 15924), after it; what has none joins its neighbour."""
     scripts = [script_of(letter) for letter in text]
     last = next((script for script in scripts if script not in NO_SCRIPT), "Zyyy")
     for i, script in enumerate(scripts):
@@ -204,8 +205,10 @@ def _require_shapes(run: str, glyphs: Sequence[Glyph], line: str, face: Typeface
     """Every letter that is seen has a glyph, and that has an outline, which those of coloured emoji lack."""
     inked = {glyph.letter for glyph in glyphs if face.outline(glyph.number)}
     for glyph in glyphs:
-        letter = next((c for c in run[glyph.letter :] if not face.has(c)), run[glyph.letter])
-        if glyph.number and (glyph.letter in inked or not _is_seen(letter)):
+        letter = run[glyph.letter]
+        if not glyph.number:  # which of the letters that go together is missing
+            letter = next((c for c in run[glyph.letter :] if not face.has(c)), letter)
+        elif glyph.letter in inked or not _is_seen(letter):
             continue
         other = next(with_letters({c for c in line if _is_seen(c)}), None)
         remedy = f'--font "{other}" has it' if other else "name a font that has it, or its file, with --font"
@@ -217,8 +220,11 @@ def _is_seen(letter: str) -> bool:
     return unicodedata.category(letter)[0] in "LNPS"
 
 
-def _corners(face: Typeface, number: int) -> np.ndarray:
-    return np.vstack([loop.flatten() for loop in face.outline(number)])
+def _corners(face: Typeface, placed: Sequence[Placed]) -> Points:
+    """Of the outlines (k, 2) of glyphs."""
+    return np.vstack(
+        [loop.flatten() + np.array([x, y]) for number, x, y in placed for loop in face.outline(number)]
+    )
 
 
 def _apart(letters: Sequence[Region]) -> tuple[Region, ...]:

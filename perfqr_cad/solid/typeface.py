@@ -1,4 +1,4 @@
-"""Fonts: found by name or by file, their letters shaped by HarfBuzz, glyphs as outlines. Lengths in font units."""
+"""Fonts: found by name or by file, text shaped by HarfBuzz, glyphs as outlines. Lengths in font units."""
 
 from __future__ import annotations
 

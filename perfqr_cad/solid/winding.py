@@ -16,8 +16,10 @@ import numpy as np
 import pathops
 import shapely
 from numpy.typing import NDArray
+from shapely import LinearRing, Polygon
+from shapely.geometry.base import BaseGeometry
 
-from perfqr_cad.pattern.outline import LEAST_MM, Bezier, Line, Loop, Point, Points, Region, Segment
+from perfqr_cad.pattern.outline import Bezier, Line, Loop, Point, Points, Region, Segment
 
 CHORD_MM = 0.01  # as the chords of a part's triangles, which must not cross either
 GAP_MM = 2 * CHORD_MM  # loops at least so far apart cannot cross as chords; no nozzle parts nearer ones
@@ -47,7 +49,7 @@ def united(contours: Sequence[Loop]) -> tuple[Region, ...]:
     loops = _simplified(contours)
     if loops and _are_apart(loops):
         regions = _nested(loops)
-        drawn = shapely.union_all([region.polygon(FINE_MM) for region in regions])
+        drawn = shapely.MultiPolygon([region.polygon(FINE_MM) for region in regions])
         if drawn.symmetric_difference(covered).area <= 2 * FINE_MM * covered.length:
             return regions
     return tuple(Region.from_polygon(polygon) for polygon in _welded(covered))
@@ -55,7 +57,7 @@ def united(contours: Sequence[Loop]) -> tuple[Region, ...]:
 
 def near(regions: Sequence[Region]) -> NDArray[np.int64]:
     """Pairs (k, 2) of regions that overlap, touch or lie less than `GAP_MM` apart."""
-    polygons = [region.polygon(CHORD_MM) for region in regions]
+    polygons = np.array([region.polygon(CHORD_MM) for region in regions])
     pairs = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=GAP_MM).T
     return pairs[pairs[:, 0] < pairs[:, 1]]
 
@@ -155,7 +157,7 @@ def _is_seen(loop: Loop) -> bool:
 
 def _are_apart(loops: Sequence[Loop]) -> bool:
     """Whether loops cross neither themselves nor each other, as chords, and keep their distance."""
-    rings = [shapely.linearrings(loop.flatten(CHORD_MM)) for loop in loops]
+    rings = np.array([LinearRing(loop.flatten(CHORD_MM)) for loop in loops])
     if not np.all(shapely.is_simple(rings)):
         return False
     one, other = shapely.STRtree(rings).query(rings, predicate="dwithin", distance=GAP_MM)
@@ -164,31 +166,30 @@ def _are_apart(loops: Sequence[Loop]) -> bool:
 
 def _nested(loops: Sequence[Loop]) -> tuple[Region, ...]:
     """Regions from loops that lie apart: those with ink on one side only, each hole with its own outline."""
-    polygons = np.array([shapely.Polygon(loop.flatten(CHORD_MM)) for loop in loops])
-    within, around = shapely.STRtree(polygons).query(
-        [shapely.Point(loop.segments[0].start) for loop in loops], predicate="intersects"
-    )
+    polygons = [Polygon(loop.flatten(CHORD_MM)) for loop in loops]
+    corners = np.array([shapely.Point(loop.segments[0].start) for loop in loops])
+    within, around = shapely.STRtree(polygons).query(corners, predicate="intersects")
     turns = np.array([1 if loop.area > 0 else -1 for loop in loops])
     outside = np.zeros(len(loops), np.int64)
     np.add.at(outside, within[within != around], turns[around[within != around]])
     inside = outside + turns
     outlines = np.flatnonzero((inside != 0) & (outside == 0))
-    holes: dict[int, list[Loop]] = {int(i): [] for i in outlines}
-    for k in np.flatnonzero((inside == 0) & (outside != 0)):
-        own = min(set(around[within == k].tolist()) & holes.keys(), key=lambda i: polygons[i].area)
+    sizes = [polygon.area for polygon in polygons]
+    holes: dict[int, list[Loop]] = {i: [] for i in outlines.tolist()}
+    for k in np.flatnonzero((inside == 0) & (outside != 0)).tolist():
+        own = min(set(around[within == k].tolist()) & holes.keys(), key=sizes.__getitem__)
         holes[own].append(loops[k].oriented(ccw=False))
     return tuple(Region(loops[i].oriented(ccw=True), tuple(found)) for i, found in holes.items())
 
 
-def _covered(contours: Sequence[Loop]) -> shapely.Geometry:
+def _covered(contours: Sequence[Loop]) -> BaseGeometry:
     """The same as polygons, whatever crosses: the faces between the chords that are gone round."""
     rings = [contour.flatten(FINE_MM) for contour in contours]
-    chords = shapely.union_all([shapely.linearrings(ring) for ring in rings])
+    chords = shapely.union_all(np.array([LinearRing(ring) for ring in rings]))
     faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(chords)))
-    if not len(faces):
-        return shapely.Polygon()
     points = shapely.get_coordinates(shapely.point_on_surface(faces))
-    return shapely.union_all(faces[sum(_turns(ring, points) for ring in rings) != 0])
+    turns = np.sum([_turns(ring, points) for ring in rings], axis=0)
+    return shapely.union_all(faces[turns != 0])
 
 
 def _turns(ring: Points, points: Points) -> NDArray[np.int64]:
@@ -203,26 +204,31 @@ def _turns(ring: Points, points: Points) -> NDArray[np.int64]:
     return turns
 
 
-def _welded(covered: shapely.Geometry) -> list[shapely.Polygon]:
+def _welded(covered: BaseGeometry) -> list[Polygon]:
     """Polygons without specks whose rings keep their distance: what lies near two of them is filled."""
+    polygons = _seen_parts(covered)
     for _ in range(WELDS):
-        covered = shapely.union_all([covered, *_welds(covered)])
-        covered = shapely.multipolygons(list(_without_specks(covered)))
-    return list(shapely.get_parts(covered.simplify(SHORT_MM)))
+        polygons = _seen_parts(shapely.union_all(np.array([*polygons, *_welds(polygons)])))
+    return _polygons(shapely.MultiPolygon(polygons).simplify(SHORT_MM))
 
 
-def _without_specks(covered: shapely.Geometry) -> Iterator[shapely.Geometry]:
-    """The parts of polygons, and their holes, that are large enough to be seen."""
-    for part in shapely.get_parts(covered):
-        if part.area > SPECK_MM2:
-            holes = [ring for ring in part.interiors if shapely.Polygon(ring).area > SPECK_MM2]
-            yield shapely.Polygon(part.exterior, holes)
+def _seen_parts(covered: BaseGeometry) -> list[Polygon]:
+    """The parts of polygons, and of their holes those, that are more than specks."""
+    return [
+        Polygon(part.exterior, [ring for ring in part.interiors if Polygon(ring).area > SPECK_MM2])
+        for part in _polygons(covered)
+        if part.area > SPECK_MM2
+    ]
 
 
-def _welds(covered: shapely.Geometry) -> Iterator[shapely.Geometry]:
+def _polygons(covered: BaseGeometry) -> list[Polygon]:
+    return [part for part in shapely.get_parts(covered).tolist() if isinstance(part, Polygon)]
+
+
+def _welds(polygons: Sequence[Polygon]) -> Iterator[BaseGeometry]:
     """What lies near two rings at once."""
-    rings = [ring for part in shapely.get_parts(covered) for ring in (part.exterior, *part.interiors)]
+    rings = np.array([ring for polygon in polygons for ring in (polygon.exterior, *polygon.interiors)])
     pairs = shapely.STRtree(rings).query(rings, predicate="dwithin", distance=GAP_MM).T
-    for i, k in pairs[pairs[:, 0] < pairs[:, 1]]:
+    for i, k in pairs[pairs[:, 0] < pairs[:, 1]].tolist():
         one, other = (ring.buffer(WELD_MM, quad_segs=4) for ring in (rings[i], rings[k]))
         yield one.intersection(other)
