@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 
 from perfqr_cad.pattern import Pattern, PatternSpec, build
-from perfqr_cad.structure import MATERIALS, Pressure, Support, analyse, calculix, reinforce, verify_solid
-from perfqr_cad.structure.analysis import MESH_SIZE_MODULES, lattice_of, prepare
-from perfqr_cad.structure.bars import bar_tensors, couplings, places_under
-from perfqr_cad.structure.candidates import Allowance, Candidates
-from perfqr_cad.structure.lattice_bars import lattice_candidates
-from perfqr_cad.structure.reanalysis import Reanalysis
-from perfqr_cad.structure.solvers import Cholmod, SuperLU, cholmod
+from perfqr_cad.structure import Case, Part, Pressure, analyse, calculix, reinforce, verify_solid
+from perfqr_cad.structure.analysis import EDGE_MODULES, prepare
+from perfqr_cad.structure.elements.solvers import Cholmod, SuperLU, cholmod
+from perfqr_cad.structure.mesh.seeding import MeshSize
+from perfqr_cad.structure.reinforcement.bar_candidates import Allowance, Candidates
+from perfqr_cad.structure.reinforcement.bar_stiffness import bar_tensors, couplings, places_under
+from perfqr_cad.structure.reinforcement.lattice_bars import lattice_candidates
+from perfqr_cad.structure.reinforcement.reanalysis import Reanalysis
 from perfqr_cad.surface import Plane
 from perfqr_cad.symbol import encode
 from perfqr_cad.table import Table
@@ -36,78 +37,87 @@ PAYLOAD = {8: 140, 40: 1900}  # characters of a random text that fill the versio
 SEED = 1
 
 
+Rows = list[tuple[Any, ...]]
+
+
 def run() -> tuple[Table, Table]:
     """Seconds of each piece beside its target, and results beside those of the solid and of CalculiX."""
     pattern = _pattern(8)
-    placement = Plane(THICKNESS_MM)
     best = Cholmod.name if cholmod() else SuperLU.name
-
-    def field(solver: str, refinement: float = 1.0) -> Any:
-        size = MESH_SIZE_MODULES * pattern.module_mm / refinement
-        return analyse(
-            pattern, placement, load=PRESSURE, nozzle_mm=NOZZLE_MM, mesh_size_mm=size, solver=solver
-        )
-
-    field(best)  # imports
+    _analysis(pattern, best)  # imports
     largest_s, unknowns, peak_gb = _largest(best)  # first: the peak is that of the process so far
-    one_s, answer = _timed(lambda: field(best))
-    fallback_s, fallback = _timed(lambda: field(SuperLU.name))
+    times, results, one_s = _shell(pattern, best)
+    results += _solid(pattern)
+    if calculix.installed():
+        beside = _calculix(pattern, best)
+        times.append(beside[0])
+        results.append(beside[1])
+    times.append((f"version 40, {unknowns} unknowns, {best}", largest_s, largest_s / one_s, 10.0))
+    times.append(("its peak of memory, GB", peak_gb, None, 4.0))
+    notes = (
+        "processor seconds, children included",
+        "CalculiX is compared with assembling, factorising and solving of the shell on its mesh",
+    )
+    columns = ("case", "seconds or ratio", "of one analysis", "target")
+    return (
+        Table("structure: time", columns, tuple(times), notes),
+        Table("structure: result", ("model", "deflection mm", "stress MPa", "unknowns"), tuple(results)),
+    )
+
+
+def _analysis(pattern: Pattern, solver: str) -> Any:
+    edge_mm = EDGE_MODULES * pattern.module_mm
+    return analyse(pattern, Plane(THICKNESS_MM), Case.of(PRESSURE, solver=solver), edge_mm)
+
+
+def _shell(pattern: Pattern, best: str) -> tuple[Rows, Rows, float]:
+    """Rows of time and of results of our shell, alone and in the loop, and the seconds of one analysis."""
+    one_s, answer = _timed(lambda: _analysis(pattern, best))
+    fallback_s, fallback = _timed(lambda: _analysis(pattern, SuperLU.name))
     again_s, bridge_s = _loop(pattern, best)
-    rows: list[tuple[Any, ...]] = [
+    weak = Case.of(PRESSURE, yield_mpa=WEAK_SHARE * answer.max_stress_mpa, solver=best)
+    whole_s, whole = _timed(lambda: reinforce(pattern, Plane(THICKNESS_MM), weak))
+    times: Rows = [
         (f"version 8, {answer.unknowns} unknowns, {best}", one_s, 1.0, 1.5),
         (f"the same, {SuperLU.name}", fallback_s, fallback_s / one_s, 4.5),
         ("loop model: mesh, assemble, factorise", again_s, again_s / one_s, None),
         ("one bridge in the loop", bridge_s, bridge_s / one_s, 0.03),
         ("loop model again, over one bridge", again_s / bridge_s, None, None),
         ("conforming mesh and factors again, over one bridge", one_s / bridge_s, None, 40.0),
+        (f"Algorithm 1: {whole.iterations} bridges, all meshes", whole_s, whole_s / one_s, 6.0),
     ]
-    laid_s, laid = _timed(
-        lambda: reinforce(
-            pattern,
-            placement,
-            load=PRESSURE,
-            yield_mpa=WEAK_SHARE * answer.max_stress_mpa,
-            nozzle_mm=NOZZLE_MM,
-            solver=best,
-        )
-    )
-    rows.append((f"Algorithm 1: {laid.iterations} bridges, all meshes", laid_s, laid_s / one_s, 6.0))
-    results: list[tuple[Any, ...]] = [
+    results: Rows = [
         ("shell", answer.max_deflection_mm, answer.max_stress_mpa, answer.unknowns),
         (f"shell, {SuperLU.name}", fallback.max_deflection_mm, fallback.max_stress_mpa, fallback.unknowns),
     ]
-    solid = verify_solid(pattern, placement, load=PRESSURE, nozzle_mm=NOZZLE_MM)
-    results.append(("shell, solid check's mesh", solid.shell_deflection_mm, solid.shell_stress_mpa, None))
-    results.append(
-        ("18-node wedge, same mesh", solid.solid_deflection_mm, solid.solid_stress_mpa, solid.unknowns)
-    )
-    if calculix.installed():
-        model = _model(pattern)
-        shell_s, _ = _timed(lambda: model.factorise(best).solve(model.pressure_forces(1.0)))
-        ccx_s, theirs = _timed(lambda: calculix.solve(model, PRESSURE.pressure_mpa))
-        rows.append(("CalculiX C3D15 on the same mesh", ccx_s, ccx_s / shell_s, 6.0))
-        deepest = float(np.abs(theirs.displacement[:, 2]).max())
-        results.append(("CalculiX C3D15, same mesh", deepest, None, theirs.displacement.size))
-    rows.append((f"version 40, {unknowns} unknowns, {best}", largest_s, largest_s / one_s, 10.0))
-    rows.append(("its peak of memory, GB", peak_gb, None, 4.0))
-    notes = (
-        "processor seconds, children included",
-        "CalculiX is compared with assembling, factorising and solving of the shell on its mesh",
-    )
+    return times, results, one_s
+
+
+def _solid(pattern: Pattern) -> Rows:
+    """Results of the shell and of the solid's wedges on one mesh."""
+    solid = verify_solid(pattern, Plane(THICKNESS_MM), Case.of(PRESSURE))
+    return [
+        ("shell, solid check's mesh", solid.shell_deflection_mm, solid.shell_stress_mpa, None),
+        ("18-node wedge, same mesh", solid.solid_deflection_mm, solid.solid_stress_mpa, solid.unknowns),
+    ]
+
+
+def _calculix(pattern: Pattern, best: str) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """A row of time and one of results of CalculiX on our mesh."""
+    model = _model(pattern)
+    shell_s, _ = _timed(lambda: model.factorise(best).solve(model.pressure_forces(1.0)))
+    ccx_s, theirs = _timed(lambda: calculix.solve(model, PRESSURE.pressure_mpa))
+    deepest = float(np.abs(theirs.displacement[:, 2]).max())
     return (
-        Table(
-            "structure: time", ("case", "seconds or ratio", "of one analysis", "target"), tuple(rows), notes
-        ),
-        Table("structure: result", ("model", "deflection mm", "stress MPa", "unknowns"), tuple(results)),
+        ("CalculiX C3D15 on the same mesh", ccx_s, ccx_s / shell_s, 6.0),
+        ("CalculiX C3D15, same mesh", deepest, None, theirs.displacement.size),
     )
 
 
 def _largest(solver: str) -> tuple[float, int, float]:
     """Seconds, unknowns and the process's peak of memory in GB for version 40, as large as it must be."""
     pattern = _pattern(40)
-    seconds, field = _timed(
-        lambda: analyse(pattern, Plane(THICKNESS_MM), load=PRESSURE, nozzle_mm=NOZZLE_MM, solver=solver)
-    )
+    seconds, field = _timed(lambda: analyse(pattern, Plane(THICKNESS_MM), Case.of(PRESSURE, solver=solver)))
     return seconds, field.unknowns, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
 
 
@@ -121,18 +131,8 @@ def _pattern(version: int) -> Pattern:
 
 
 def _model(pattern: Pattern) -> Any:
-    size = pattern.module_mm
-    return prepare(
-        pattern.polygon,
-        Plane(THICKNESS_MM),
-        MATERIALS["PLA"],
-        Support(),
-        nozzle_mm=NOZZLE_MM,
-        mesh_size_mm=size,
-        corner_size_mm=size,
-        layer_size_mm=0.0,
-        lattice=lattice_of(pattern),
-    )
+    size = MeshSize.even(pattern.module_mm, NOZZLE_MM)
+    return prepare(Part.of(pattern, Plane(THICKNESS_MM)), Case.of(PRESSURE), size)
 
 
 def _loop(pattern: Pattern, solver: str) -> tuple[float, float]:

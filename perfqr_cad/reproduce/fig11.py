@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from perfqr_cad.pattern import Pattern, PatternSpec, build
-from perfqr_cad.structure import Pressure, Reinforcement, StressField, analyse, reinforce
-from perfqr_cad.structure.maps import draw
+from perfqr_cad.structure import Case, Pressure, Reinforcement, StressField, analyse, reinforce
+from perfqr_cad.structure.stress_maps import draw
 from perfqr_cad.surface import Plane
 from perfqr_cad.symbol import encode
 from perfqr_cad.table import Table
@@ -26,18 +26,18 @@ OVERLOAD = 1.15  # stress over χ at the pressure where reinforcement is shown
 
 
 def run(out: Path) -> Table:
-    """Write fig11-5pa.png, fig11-<method>.png and fig11-convergence.png into a folder; the figures of each
-    case as a table."""
+    """The figures of each case as a table; writes fig11-5pa.png, -<method>.png and -convergence.png."""
     out.mkdir(parents=True, exist_ok=True)
     pattern = build(encode(TEXT, version=VERSION), PatternSpec(size_mm=SIZE_MM, finder="diagonal"))
     plate = Plane(THICKNESS_MM)
-    at_paper = analyse(pattern, plate, load=Pressure(PAPER_PRESSURE_MPA), yield_mpa=YIELD_MPA)
+    at_paper = analyse(pattern, plate, Case.of(Pressure(PAPER_PRESSURE_MPA), yield_mpa=YIELD_MPA))
     pressure = PAPER_PRESSURE_MPA * OVERLOAD * YIELD_MPA / at_paper.max_stress_mpa
     rows = [_row("paper's pressure", PAPER_PRESSURE_MPA, at_paper, None)]
     results: list[Reinforcement] = []
     _figure(out / "fig11-5pa.png", [("5 Pa", at_paper, None)])
+    case = Case.of(Pressure(pressure), yield_mpa=YIELD_MPA)
     for method in ("optimal", "paper"):
-        result = reinforce(pattern, plate, load=Pressure(pressure), yield_mpa=YIELD_MPA, method=method)
+        result = reinforce(pattern, plate, case, method=method)
         results.append(result)
         rows.append(_row("before", pressure, result.before, None))
         rows.append(_row(method, pressure, result.after, result))

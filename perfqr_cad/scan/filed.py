@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from perfqr_cad.errors import DesignError, KernelError
-from perfqr_cad.scan.decoders import accepted
+from perfqr_cad.bounded import read_json
+from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry import Triangles
+from perfqr_cad.scan.camera.placing import load_mesh
+from perfqr_cad.scan.decoding.decoders import accepted
+from perfqr_cad.scan.decoding.panel import shared
 from perfqr_cad.scan.facing import turned
-from perfqr_cad.scan.panel import shared
-from perfqr_cad.scan.placing import load_mesh
-from perfqr_cad.scan.proof import FULL, Plan, certify
+from perfqr_cad.scan.proof import FULL, Schedule, certify
 from perfqr_cad.scan.report import ScanReport
-from perfqr_cad.surface import Placement, Triangles
+from perfqr_cad.surface import Placement
 
 MESHES = (".stl", ".3mf", ".ply", ".obj", ".off")
 STEPS = (".step", ".stp")
@@ -27,9 +28,8 @@ def part(
     text: str | None = None,
     *,
     mesh_step: Callable[[Path], Triangles] | None = None,
-    mesh_3mf: Callable[[Path], Triangles] | None = None,
     placement: Placement | None = None,
-    plan: Plan = FULL,
+    schedule: Schedule = FULL,
     decoders: tuple[str, ...] | None = None,
     seed: int = 0,
 ) -> ScanReport:
@@ -37,7 +37,6 @@ def part(
 
     text        what must come back; None: what the design.json says, or what the decoders agree on
     mesh_step   triangles of a STEP file; the solid modeller is not ours to call
-    mesh_3mf    triangles of a 3MF file in mm; None: without its unit
     placement   where the code lies; None: on the top of a plate, else on the side from which it is read
 
     KernelError if the file cannot be read, DesignError if it is no kind of part.
@@ -47,13 +46,9 @@ def part(
     if suffix == ".json":
         path, said = _of_design(path)
         suffix, text = path.suffix.lower(), said if text is None else text
-    if suffix == ".3mf" and mesh_3mf is not None:
-        triangles = mesh_3mf(path)
-    elif suffix in MESHES:
+    if suffix in MESHES:
         triangles = load_mesh(path)
     elif suffix in STEPS and mesh_step is not None:
-        if not path.is_file():
-            raise KernelError(f"{path} does not exist: give the path of a written part")
         triangles = mesh_step(path)
     else:
         raise DesignError(f"{path.name} is no part: give an .stl, .3mf or .step file, or a design.json")
@@ -61,18 +56,22 @@ def part(
     if placement is None:
         right = None if text is None else accepted(text)
         triangles, behind, notes = turned(triangles, shared(decoders), right)
-    report = certify(triangles, placement, None, text, plan=plan, decoders=decoders, seed=seed, behind=behind)
+    report = certify(
+        triangles, placement, None, text, schedule=schedule, decoders=decoders, seed=seed, behind=behind
+    )
     return replace(report, warnings=(*report.warnings, *notes))
 
 
 def _of_design(path: Path) -> tuple[Path, str | None]:
     """The file to film and the payload, from a certificate."""
+    certificate = read_json(path, DesignError, "a design.json")
     try:
-        certificate = json.loads(path.read_text())
         names = [Path(record["path"]) for record in certificate["files"]]
         payload = certificate["payload"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (KeyError, TypeError) as error:
         raise DesignError(f"{path} is no certificate of a design ({error}): give a design.json") from error
+    if not isinstance(payload, str | None):
+        raise DesignError(f"{path} has a payload that is no text: give a design.json")
     written = [path.parent / name.name for name in names] + names
     for suffix in PREFERRED:
         for candidate in written:

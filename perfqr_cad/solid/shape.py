@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The finished part: an exact boundary, what was measured on it, and its triangles."""
 
 from __future__ import annotations
@@ -8,20 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from perfqr_cad.surface import Triangles
-
-from .brep import Brep
+from perfqr_cad.geometry import Region, Triangles
+from perfqr_cad.geometry.triangles import Corner
+from perfqr_cad.profile.colour import LIGHT, Colour
+from perfqr_cad.solid.tables.brep import Brep
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Solid
-
-    from .lettering import Lettering
-
-Corner = tuple[float, float, float]
-Colour = tuple[float, float, float]
-
-LIGHT: Colour = (0.92, 0.92, 0.90)  # sRGB of the part and, behind it, of the dark tone
-DARK: Colour = (0.05, 0.05, 0.06)
 
 
 @dataclass(frozen=True)
@@ -35,7 +26,8 @@ class Solid:
     bbox_mm              least and greatest corner
     notes                what was made otherwise than asked, and why
     extras               further solids of the same part, such as a backing plate
-    lettering            what is written on the face, in the pattern plane; None without
+    letters              of a caption, in the pattern plane; they stand relief_mm out of the front, or, where
+                         that is below 0, are sunk into it
     """
 
     exact: Brep | TopoDS_Solid | None
@@ -52,15 +44,21 @@ class Solid:
     name: str = "perforated-qr"
     colour: Colour = LIGHT
     extras: tuple[Solid, ...] = ()
-    lettering: Lettering | None = None
+    letters: tuple[Region, ...] = ()
+    relief_mm: float = 0.0
+
+    @property
+    def is_carved(self) -> bool:
+        """Whether it was carved into a body of the user's: there is more of it than the pattern."""
+        return not isinstance(self.exact, Brep)
 
     @cached_property
     def brep(self) -> Brep | None:
         """The boundary as tables."""
         if self.exact is None or isinstance(self.exact, Brep):
             return self.exact
-        from . import occ
-        from .survey import brep_of
+        from perfqr_cad.solid.kernel import occ
+        from perfqr_cad.solid.kernel.from_shape import brep_of
 
         with occ.kernel("reading the solid", "repair it in a CAD program"):
             return brep_of(self.exact)
@@ -70,6 +68,6 @@ class Solid:
         """The boundary as a shape of the modeller, made when it is first asked for."""
         if not isinstance(self.exact, Brep):
             return self.exact
-        from .kernel_shape import KernelShape
+        from perfqr_cad.solid.kernel.to_shape import KernelShape
 
         return KernelShape(self.exact).solid()

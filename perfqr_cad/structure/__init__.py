@@ -1,26 +1,33 @@
-"""Strength: Reissner-Mindlin shells, a stress that can be believed, and reinforcement by bridges."""
+"""Strength: Reissner-Mindlin shells, a stress that can be believed, and reinforcement by bridges.
+
+`mesh` triangulates the light region, `elements` makes stiffness matrices and solves, `reinforcement` adds
+bridges. Here: what is asked (`Case`), what is analysed (`Part`), and the answer. No solid modeller, no files.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .loads import Finger, Hold, Load, Pressure, Support, Weight
-from .materials import MATERIALS, Material, material
+from perfqr_cad.structure.loads import Finger, Hold, Load, Pressure, Support, Weight
+from perfqr_cad.structure.material_table import MATERIALS, Material, material
 
 if TYPE_CHECKING:
-    from .analysis import analyse, analyse_region
-    from .field import StressField
-    from .reinforcement import Reinforcement
-    from .reinforcing import reinforce
-    from .solid_check import SolidCheck, verify_solid
-    from .vtu import write_vtu
+    from perfqr_cad.structure.analysis import analyse, analyse_part
+    from perfqr_cad.structure.case import Case
+    from perfqr_cad.structure.part import Part
+    from perfqr_cad.structure.reinforcement.algorithm1 import reinforce
+    from perfqr_cad.structure.reinforcement.reinforced import Reinforcement
+    from perfqr_cad.structure.solid_check import SolidCheck, verify_solid
+    from perfqr_cad.structure.stress_field import StressField
 
 __all__ = [
     "MATERIALS",
+    "Case",
     "Finger",
     "Hold",
     "Load",
     "Material",
+    "Part",
     "Pressure",
     "Reinforcement",
     "SolidCheck",
@@ -28,21 +35,21 @@ __all__ = [
     "Support",
     "Weight",
     "analyse",
-    "analyse_region",
+    "analyse_part",
     "material",
     "reinforce",
     "verify_solid",
-    "write_vtu",
 ]
 
 _HOME = {
-    "write_vtu": "vtu",
-    "analyse": "analysis",
-    "analyse_region": "analysis",
-    "reinforce": "reinforcing",
-    "Reinforcement": "reinforcement",
+    "Case": "case",
+    "Part": "part",
+    "Reinforcement": "reinforcement.reinforced",
     "SolidCheck": "solid_check",
-    "StressField": "field",
+    "StressField": "stress_field",
+    "analyse": "analysis",
+    "analyse_part": "analysis",
+    "reinforce": "reinforcement.algorithm1",
     "verify_solid": "solid_check",
 }
 

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.structure.model import Model
-from perfqr_cad.structure.t6 import Floats, Ints
+from perfqr_cad.structure.mesh.triangle import Floats, Ints
+from perfqr_cad.structure.shell_model import Model
 
 PROGRAM = "ccx"
 TIME_LIMIT_S = 600.0
@@ -36,7 +36,7 @@ def installed() -> bool:
     return shutil.which(PROGRAM) is not None
 
 
-def solve(model: Model, pressure_mpa: float, threads: int = 1) -> Answer:
+def solve(model: Model, pressure_mpa: float) -> Answer:
     """A clamped model under a pressure on its front, as one layer of C3D15.
 
     Raises:
@@ -51,7 +51,7 @@ def solve(model: Model, pressure_mpa: float, threads: int = 1) -> Answer:
         run = subprocess.run(
             [PROGRAM, "-i", "part"],
             cwd=folder,
-            env=dict(os.environ, OMP_NUM_THREADS=str(threads)),
+            env=dict(os.environ, OMP_NUM_THREADS="1"),
             capture_output=True,
             text=True,
             timeout=TIME_LIMIT_S,

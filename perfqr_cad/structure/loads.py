@@ -55,7 +55,6 @@ class Weight:
 
 
 Load = Pressure | Finger | Weight
-Loads = tuple[Load, ...]  # acting together
 
 
 class Hold(StrEnum):
@@ -84,16 +83,19 @@ class Support:
     pad_mm: float | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "hold", _hold(self.hold))
         if self.pad_mm is not None and not (math.isfinite(self.pad_mm) and self.pad_mm > 0.0):
             raise AnalysisError(f"corner pad is {self.pad_mm} mm; it must be a positive number")
 
+    @staticmethod
+    def named(name: str) -> Support:
+        """The support of that name.
 
-def _hold(value: str) -> Hold:
-    try:
-        return Hold(value)
-    except ValueError:
-        raise AnalysisError(f"support {value!r} is unknown; choose one of {', '.join(Hold)}") from None
+        Raises:
+            AnalysisError: no such support; the message lists those there are.
+        """
+        if name not in {*Hold}:
+            raise AnalysisError(f"support {name!r} is unknown; choose one of {', '.join(Hold)}")
+        return Support(Hold(name))
 
 
 def _require_finite(label: str, value: float, unit: str) -> None:

@@ -7,9 +7,9 @@ import shapely
 from shapely.geometry import Polygon
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.structure.assembly import Flags
+from perfqr_cad.structure.elements.assembly import Flags
 from perfqr_cad.structure.loads import CORNER_PAD_FRACTION, Hold, Support
-from perfqr_cad.structure.t6 import Ints, Mesh
+from perfqr_cad.structure.mesh.triangle import Ints, Mesh
 
 LEAST_SIDE_SHARE = 0.1  # of its height: a part held along less of a side is held at points
 ON_HULL_FRACTION = 2e-3  # of the part's size: an outline this close to the convex hull lies on it

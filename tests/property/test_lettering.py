@@ -12,11 +12,12 @@ import shapely
 from hypothesis import given, settings
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern.outline import Region
-from perfqr_cad.solid import Plan, build_plan
-from perfqr_cad.solid.lettering import Lettering, drawn, extent
-from perfqr_cad.solid.typeface import typeface
-from perfqr_cad.solid.winding import CHORD_MM, GAP_MM
+from perfqr_cad.geometry import Region
+from perfqr_cad.geometry.winding import CHORD_MM, GAP_MM
+from perfqr_cad.profile import Profile
+from perfqr_cad.profile.lettering import drawn, extent
+from perfqr_cad.profile.typeface import typeface
+from perfqr_cad.solid import build_profile
 from perfqr_cad.surface import Plane
 
 HAD = [chr(code) for code in typeface().font.face.unicodes]  # by the font: of 20 scripts, and symbols
@@ -76,7 +77,7 @@ def test_letters_make_sound_solids(text: str, relief_mm: float) -> None:
         return
     room = math.ceil(max(abs(region.outer.flatten()).max() for region in regions)) + 1.0
     plate = Region.from_polygon(shapely.box(-room, -room, room, room))
-    solid = build_plan(Plan((plate,), lettering=Lettering(regions, relief_mm)), Plane(2.0))
+    solid = build_profile(Profile((plate,), letters=regions, relief_mm=relief_mm), Plane(2.0))
     ink = sum(region.area for region in regions)
     assert solid.problems == ()
     assert solid.triangles.closed

@@ -7,7 +7,7 @@ import pytest
 
 from perfqr_cad.errors import PerfQRError
 from perfqr_cad.pattern import PatternSpec, build
-from perfqr_cad.structure import Finger, Pressure, StressField, Weight, analyse
+from perfqr_cad.structure import Case, Finger, Pressure, StressField, Weight, analyse
 from perfqr_cad.surface import Cylinder, Plane
 from perfqr_cad.symbol import encode
 
@@ -26,7 +26,7 @@ def field_of(seed: int) -> StressField | PerfQRError:
         placement = draw.choice((Plane(thickness), Plane(thickness), Cylinder(pattern.size_mm, thickness)))
         load = draw.choice((Pressure(1e-5), Pressure(-1e-3), Weight(), Finger(5.0, at_mm=(3.0, 2.0))))
         support = draw.choice(("clamped", "simple", "two-sides", "corners"))
-        return analyse(pattern, placement, load=load, support=support, mesh_size_mm=1.5 * pattern.module_mm)
+        return analyse(pattern, placement, Case.of(load, support=support), 1.5 * pattern.module_mm)
     except PerfQRError as error:
         return error
 

@@ -12,12 +12,14 @@ import numpy as np
 import pytest
 from shapely.geometry import Point, Polygon, box
 
-from perfqr_cad.structure import Material, Pressure, analyse_region, shell
-from perfqr_cad.structure.assembly import System
-from perfqr_cad.structure.gmsher import triangulate
-from perfqr_cad.structure.plate import Section
-from perfqr_cad.structure.solvers import factorise
-from perfqr_cad.structure.t6 import Floats, Ints, Mesh, quadratic
+from perfqr_cad.structure import Case, Material, Part, Pressure, analyse_part
+from perfqr_cad.structure.elements import mindlin_shell as shell
+from perfqr_cad.structure.elements.assembly import System
+from perfqr_cad.structure.elements.mindlin_plate import Section
+from perfqr_cad.structure.elements.solvers import factorise
+from perfqr_cad.structure.mesh.gmsh_mesher import triangulate
+from perfqr_cad.structure.mesh.seeding import MeshSize
+from perfqr_cad.structure.mesh.triangle import Floats, Ints, Mesh, quadratic
 from perfqr_cad.surface import Plane
 
 STUFF = Material("benchmark", 1e4, 0.3, 100.0, 1000.0, "arbitrary")
@@ -29,8 +31,9 @@ def bending(thickness: float) -> float:
 
 
 def deflection(polygon: Polygon, thickness: float, size: float, support: str = "clamped") -> float:
-    settings = {"material": STUFF, "load": Pressure(1e-6), "support": support, "nozzle_mm": 0.1}
-    return analyse_region(polygon, Plane(thickness), mesh_size_mm=size, **settings).max_deflection_mm
+    case = Case.of(Pressure(1e-6), material=STUFF, support=support, nozzle_mm=0.1)
+    size_mm = MeshSize.graded(size, case.nozzle_mm)
+    return analyse_part(Part(polygon, Plane(thickness)), case, size_mm).max_deflection_mm
 
 
 def clamped_square(thickness: float = 0.5, size: float = 2.5) -> float:

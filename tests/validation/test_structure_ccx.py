@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 from shapely.geometry import box
 
-from perfqr_cad.structure import Pressure, Support, calculix, shell
+from perfqr_cad.structure import Case, Part, Pressure, Weight, calculix
 from perfqr_cad.structure.analysis import prepare
-from perfqr_cad.structure.assembly import System
-from perfqr_cad.structure.materials import MATERIALS
-from perfqr_cad.structure.model import Model
-from perfqr_cad.structure.solid_check import LAYERS, check, layered, stiffness, stresses
-from perfqr_cad.structure.solvers import factorise
-from perfqr_cad.structure.t6 import Floats
+from perfqr_cad.structure.elements import mindlin_shell as shell
+from perfqr_cad.structure.elements.assembly import System
+from perfqr_cad.structure.elements.solvers import factorise
+from perfqr_cad.structure.elements.wedge import LAYERS, layered, stiffness, stresses
+from perfqr_cad.structure.mesh.seeding import MeshSize
+from perfqr_cad.structure.mesh.triangle import Floats
+from perfqr_cad.structure.shell_model import Model
+from perfqr_cad.structure.solid_check import check
 from perfqr_cad.surface import Cylinder, Placement, Plane
 
 pytestmark = pytest.mark.skipif(
@@ -26,16 +28,8 @@ for hole in ((-9, -9, -1, -1), (1, -9, 9, -1), (-9, 1, -1, 9), (1, 1, 9, 9)):
 
 
 def part(placement: Placement) -> Model:
-    return prepare(
-        PART,
-        placement,
-        MATERIALS["PLA"],
-        Support(),
-        nozzle_mm=0.4,
-        mesh_size_mm=0.8,
-        corner_size_mm=0.6,
-        bends=False,
-    )
+    as_shell = Case.of(Weight((0.0, 0.0, -1.0)))
+    return prepare(Part(PART, placement), as_shell, MeshSize(0.8, 0.6, 0.2, 0.02))
 
 
 def wedges(model: Model) -> tuple[Floats, Floats]:
@@ -57,7 +51,9 @@ def test_deflection_agrees(placement: Placement) -> None:
     model = part(placement)
     theirs = np.linalg.norm(calculix.solve(model, PRESSURE_MPA).displacement, axis=1).max()
     assert np.linalg.norm(wedges(model)[0], axis=2).max() == pytest.approx(theirs, rel=0.01)
-    assert check(model, Pressure(PRESSURE_MPA), 0.4).shell_deflection_mm == pytest.approx(theirs, rel=0.03)
+    assert check(model, Case.of(Pressure(PRESSURE_MPA))).shell_deflection_mm == pytest.approx(
+        theirs, rel=0.03
+    )
 
 
 def test_stress_agrees_in_a_web() -> None:

@@ -5,13 +5,14 @@ import pytest
 from shapely.geometry import box
 from shapely.ops import unary_union
 
-from perfqr_cad.structure import Material, Pressure, Support
+from perfqr_cad.structure import Case, Material, Part, Pressure
 from perfqr_cad.structure.analysis import prepare
-from perfqr_cad.structure.assembly import System
-from perfqr_cad.structure.materials import MATERIALS
-from perfqr_cad.structure.solid_check import check, layered, stiffness, stresses
-from perfqr_cad.structure.solvers import factorise
-from perfqr_cad.structure.t6 import SIX_POINTS, SIX_WEIGHTS, Mesh, gradients, quadratic, shapes
+from perfqr_cad.structure.elements.assembly import System
+from perfqr_cad.structure.elements.solvers import factorise
+from perfqr_cad.structure.elements.wedge import layered, stiffness, stresses
+from perfqr_cad.structure.mesh.seeding import MeshSize
+from perfqr_cad.structure.mesh.triangle import SIX_POINTS, SIX_WEIGHTS, Mesh, gradients, quadratic, shapes
+from perfqr_cad.structure.solid_check import check
 from perfqr_cad.surface import Plane
 
 STEEL = Material("LE10", 210e3, 0.3, 100.0, 1000.0, "NAFEMS LE10")
@@ -74,16 +75,9 @@ BARS = unary_union(
 
 @pytest.mark.parametrize("thickness", [0.8, 2.0])
 def test_shell_agrees_with_the_solid_on_a_plate_held_by_narrow_bars(thickness: float) -> None:
-    model = prepare(
-        BARS,
-        Plane(thickness),
-        MATERIALS["PLA"],
-        Support(),
-        nozzle_mm=0.4,
-        mesh_size_mm=1.2,
-        corner_size_mm=0.6,
-    )
-    found = check(model, Pressure(1e-4), 0.4)
+    case = Case.of(Pressure(1e-4))
+    model = prepare(Part(BARS, Plane(thickness)), case, MeshSize(1.2, 0.6, 0.3, 0.02))
+    found = check(model, case)
     assert found.deflection_ratio == pytest.approx(1, abs=0.03)
     assert found.stress_ratio == pytest.approx(1, abs=0.1)
     assert found.unknowns > 2.9 * np.count_nonzero(~model.fixed)

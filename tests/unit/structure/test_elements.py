@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from perfqr_cad.structure import plate, shell
-from perfqr_cad.structure.assembly import System, lower_triangle
-from perfqr_cad.structure.plate import Section
-from perfqr_cad.structure.solvers import factorise
-from perfqr_cad.structure.t6 import (
+from perfqr_cad.structure.elements import mindlin_plate as plate
+from perfqr_cad.structure.elements import mindlin_shell as shell
+from perfqr_cad.structure.elements.assembly import System, lower_triangle
+from perfqr_cad.structure.elements.mindlin_plate import Section
+from perfqr_cad.structure.elements.solvers import factorise
+from perfqr_cad.structure.mesh.triangle import (
     NODES_REF,
     SIX_POINTS,
     SIX_WEIGHTS,

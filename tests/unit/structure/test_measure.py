@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from shapely.geometry import Point, box
 
-from perfqr_cad.structure.gmsher import triangulate
 from perfqr_cad.structure.measure import Discs, locate, von_mises
-from perfqr_cad.structure.seeding import Grain, reentrant, seed
+from perfqr_cad.structure.mesh.gmsh_mesher import triangulate
+from perfqr_cad.structure.mesh.seeding import MeshSize, reentrant, seed
 
 SQUARE = triangulate(box(0, 0, 10, 10).difference(box(4, 4, 6, 6)), 1.0)
 
@@ -36,7 +36,7 @@ def test_hottest_places_are_those_of_averaging_everywhere(share: float) -> None:
     stress = np.random.default_rng(3).normal(size=(len(SQUARE.elements), 3, 2, 5))
     discs = Discs(SQUARE, 1.5)
     every = discs.at(np.arange(SQUARE.corners), stress)
-    places, measure = discs.hottest(stress, share)
+    places, measure = discs.most_stressed(stress, share)
     assert set(places) == set(np.flatnonzero(every >= share * every.max()))
     assert measure == pytest.approx(every[places])
     assert measure[0] == every.max()
@@ -67,7 +67,7 @@ def test_von_mises_of_simple_states() -> None:
 def test_seeds_start_fine_at_reentrant_corners_only() -> None:
     outline = np.array([[0, 0], [10, 0], [10, 10], [5, 10], [5, 5], [0, 5]], float)
     assert reentrant(outline).tolist() == [False, False, False, False, True, False]
-    points = seed(outline, np.zeros(6, bool), Grain(2.0, 0.25, 0.0, 0.0))
+    points = seed(outline, np.zeros(6, bool), MeshSize(2.0, 0.25, 0.0, 0.0))
     steps = np.linalg.norm(np.diff(points, axis=0, append=points[:1]), axis=1)
     corner = int(np.flatnonzero((points == [5, 5]).all(axis=1))[0])
     assert steps[corner] == pytest.approx(0.25)
@@ -79,9 +79,9 @@ def test_seeds_start_fine_at_reentrant_corners_only() -> None:
 def test_pinned_edges_look_the_same_from_both_sides_and_have_layers_at_walls() -> None:
     square = np.array([[-101, -101], [101, -101], [101, 102], [-101, 102]], float)
     pinned = np.array([True, True, False, False])
-    grain = Grain(50.0, 50.0, 7.0, 0.0)
-    points = seed(square, pinned, grain)
-    mirrored = seed(square[::-1], np.array([False, True, True, False]), grain)
+    mesh_size = MeshSize(50.0, 50.0, 7.0, 0.0)
+    points = seed(square, pinned, mesh_size)
+    mirrored = seed(square[::-1], np.array([False, True, True, False]), mesh_size)
     along = {tuple(p) for p in points if p[1] == -101}
     assert along == {tuple(p) for p in mirrored if p[1] == -101}
     assert (-94.0, -101.0) in along
@@ -90,4 +90,4 @@ def test_pinned_edges_look_the_same_from_both_sides_and_have_layers_at_walls() -
 
 def test_circle_is_not_refined() -> None:
     disc = np.array(Point(0, 0).buffer(5).exterior.reverse().coords)[:-1]
-    assert len(seed(disc, np.zeros(len(disc), bool), Grain(2.0, 0.01, 0.0, 0.0))) == len(disc)
+    assert len(seed(disc, np.zeros(len(disc), bool), MeshSize(2.0, 0.01, 0.0, 0.0))) == len(disc)

@@ -7,7 +7,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.pattern import PatternSpec, build
-from perfqr_cad.structure import Pressure, analyse
+from perfqr_cad.structure import Case, Pressure, analyse
 from perfqr_cad.structure.taper import STRAIGHT, Taper
 from perfqr_cad.surface import Plane
 from perfqr_cad.symbol import encode
@@ -54,9 +54,8 @@ def test_a_solid_beam_deflects_as_foretold() -> None:
 
 def test_a_field_has_the_factors_in_it() -> None:
     pattern = build(encode("FLARE", version=1), PatternSpec(size_mm=58.0))
-    settings = {"load": Pressure(1e-4), "mesh_size_mm": 3.0}
-    straight = analyse(pattern, Plane(2.0), **settings)  # type: ignore[arg-type]
-    flared = analyse(pattern, Plane(2.0), flare_mm=FLARE, **settings)  # type: ignore[arg-type]
+    straight = analyse(pattern, Plane(2.0), Case.of(Pressure(1e-4)), 3.0)
+    flared = analyse(pattern, Plane(2.0), Case.of(Pressure(1e-4), flare_mm=FLARE), 3.0)
     assert flared.taper == Taper.of(pattern.spec.web_mm, FLARE)
     assert flared.max_stress_mpa == pytest.approx(flared.taper.stress * straight.max_stress_mpa)
     assert flared.max_deflection_mm == pytest.approx(flared.taper.deflection * straight.max_deflection_mm)

@@ -9,28 +9,32 @@ from shapely.geometry import Point, Polygon, box
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.pattern import PatternSpec, build
-from perfqr_cad.structure import MATERIALS, Finger, Pressure, Support, Weight, analyse_region, plate
+from perfqr_cad.structure import Case, Finger, Load, Part, Pressure, StressField, Weight, analyse_part
 from perfqr_cad.structure.analysis import prepare
-from perfqr_cad.structure.assembly import System
-from perfqr_cad.structure.domain import ThinPart, thin_parts
-from perfqr_cad.structure.model import Model, forces_of
-from perfqr_cad.structure.patches import Patches
-from perfqr_cad.structure.quilt import patched
-from perfqr_cad.structure.seeding import Grain
-from perfqr_cad.structure.tiling import Lattice, cut
+from perfqr_cad.structure.elements import mindlin_plate as plate
+from perfqr_cad.structure.elements.assembly import System
+from perfqr_cad.structure.mesh.light_region import ThinPart, thin_parts
+from perfqr_cad.structure.mesh.seeding import MeshSize
+from perfqr_cad.structure.mesh.tile_meshes import TileMeshes
+from perfqr_cad.structure.mesh.tiled_mesh import tiled_mesh
+from perfqr_cad.structure.mesh.tiling import Lattice, cut
+from perfqr_cad.structure.shell_model import Model, forces_of
 from perfqr_cad.surface import Plane
 from perfqr_cad.symbol import encode
 
-GRAIN = Grain(size_mm=1.4, corner_mm=0.4, layer_mm=0.3, tolerance_mm=0.02)
+SIZE = MeshSize(edge_mm=1.4, corner_mm=0.4, layer_mm=0.3, tolerance_mm=0.02)
 HOLES = shapely.union_all([box(x, y, x + 2, y + 2) for x in range(-8, 8, 4) for y in range(-8, 8, 4)])
 GRATE = box(-11, -11, 11, 11).difference(HOLES)
 LATTICE = Lattice(2.0)
 
 
 def grate_model(size: float = 1.4) -> Model:
-    return prepare(
-        GRATE, Plane(2.0), MATERIALS["PLA"], Support(), nozzle_mm=0.4, mesh_size_mm=size, lattice=LATTICE
-    )
+    part = Part(GRATE, Plane(2.0), lattice=LATTICE)
+    return prepare(part, Case.of(Pressure(1e-3)), MeshSize.graded(size, 0.4))
+
+
+def solve(part: Part, load: Load, edge_mm: float, support: str = "clamped") -> StressField:
+    return analyse_part(part, Case.of(load, support=support), MeshSize.graded(edge_mm, 0.4))
 
 
 def test_tiles_that_look_alike_are_one_kind() -> None:
@@ -51,8 +55,8 @@ def test_tiles_that_look_alike_are_one_kind() -> None:
     ],
 )
 @pytest.mark.parametrize("pitch", [2.0, 3.7])
-def test_a_quilt_covers_its_region_and_has_no_open_seams(region: Polygon, pitch: float) -> None:
-    mesh = patched([region], Lattice(pitch), Patches(GRAIN)).mesh
+def test_a_tiled_mesh_covers_its_region_and_has_no_open_seams(region: Polygon, pitch: float) -> None:
+    mesh = tiled_mesh([region], Lattice(pitch), TileMeshes(SIZE)).mesh
     assert float(mesh.area_mm2.sum()) == pytest.approx(region.area, rel=2e-3)
     ends = mesh.nodes[mesh.boundary[:, :2]]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum()
@@ -76,8 +80,7 @@ def test_condensed_answer_is_that_of_the_whole_matrix() -> None:
 
 def test_tiling_does_not_move_the_answer() -> None:
     answers = [
-        analyse_region(GRATE, Plane(2.0), load=Pressure(1e-3), mesh_size_mm=0.7, lattice=Lattice(pitch))
-        for pitch in (2.0, 3.3)
+        solve(Part(GRATE, Plane(2.0), lattice=Lattice(pitch)), Pressure(1e-3), 0.7) for pitch in (2.0, 3.3)
     ]
     assert answers[0].max_deflection_mm == pytest.approx(answers[1].max_deflection_mm, rel=5e-3)
     assert answers[0].max_stress_mpa == pytest.approx(answers[1].max_stress_mpa, rel=0.05)
@@ -86,31 +89,27 @@ def test_tiling_does_not_move_the_answer() -> None:
 def test_thin_part_bends_as_thin_and_weighs_as_thin() -> None:
     strip = box(0, 0, 20, 4)
     thin = ThinPart(box(0, 0, 10, 4), 1.0)
-    settings = {"load": Weight(), "support": "two-sides", "mesh_size_mm": 1.0}
-    whole = analyse_region(strip, Plane(2.0), **settings)  # type: ignore[arg-type]
-    half = analyse_region(strip, Plane(2.0), thin=[thin], **settings)  # type: ignore[arg-type]
-    all_thin = analyse_region(strip, Plane(1.0), **settings)  # type: ignore[arg-type]
-    assert half.mass_g == pytest.approx(0.75 * whole.mass_g)
+    whole, half, all_thin, every = (
+        solve(part, Weight(), 1.0, "two-sides")
+        for part in (
+            Part(strip, Plane(2.0)),
+            Part(strip, Plane(2.0), (thin,)),
+            Part(strip, Plane(1.0)),
+            Part(strip, Plane(2.0), (replace(thin, polygon=strip),)),
+        )
+    )
     assert half.load_n == pytest.approx(np.multiply(0.75, whole.load_n))
     assert half.max_stress_at_mm[0] < 10.0
     assert whole.max_deflection_mm < half.max_deflection_mm
-    every = analyse_region(strip, Plane(2.0), thin=[replace(thin, polygon=strip)], **settings)  # type: ignore[arg-type]
     assert every.max_deflection_mm == pytest.approx(all_thin.max_deflection_mm, rel=1e-6)
 
 
 @pytest.mark.parametrize("size", [2.0, 1.1, 0.8, 0.5, 0.3])
-def test_a_thin_bar_is_sewn_to_the_walls_at_both_ends(size: float) -> None:
+def test_a_thin_bar_is_joined_to_the_walls_at_both_ends(size: float) -> None:
     bar = box(-0.5, -0.45, 0.5, 0.45)
     part = shapely.union_all([box(-9, -9, 9, 9).difference(box(-0.5, -4, 0.5, 4)), bar])
     model = prepare(
-        part,
-        Plane(2.0),
-        MATERIALS["PLA"],
-        Support(),
-        nozzle_mm=0.4,
-        mesh_size_mm=size,
-        thin=[ThinPart(bar, 0.4)],
-        lattice=LATTICE,
+        Part(part, Plane(2.0), (ThinPart(bar, 0.4),), LATTICE), Case.of(Weight()), MeshSize.graded(size, 0.4)
     )
     ends = model.mesh.nodes[model.mesh.boundary[:, :2]]
     assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum() == pytest.approx(part.length)
@@ -118,19 +117,17 @@ def test_a_thin_bar_is_sewn_to_the_walls_at_both_ends(size: float) -> None:
 
 def test_part_thicker_than_its_wall_is_refused() -> None:
     with pytest.raises(AnalysisError, match=r"3.0 mm thick in a wall of 2.0 mm"):
-        analyse_region(
-            GRATE, Plane(2.0), thin=[ThinPart(box(0, 0, 1, 1), 3.0)], load=Weight(), mesh_size_mm=2.0
-        )
+        solve(Part(GRATE, Plane(2.0), (ThinPart(box(0, 0, 1, 1), 3.0),)), Weight(), 2.0)
 
 
 def test_loads_act_together() -> None:
     model = grate_model(2.0)
     factor = model.factorise()
     loads = (Pressure(1e-3), Weight(), Finger(2.0, 3.0, (1.0, 1.0)))
-    parts = sum(forces_of(model, load, factor) for load in loads)
+    parts = sum(forces_of(model, (load,), factor) for load in loads)
     assert forces_of(model, loads, factor) == pytest.approx(parts)
     roaming = forces_of(model, (Pressure(1e-3), Finger(2.0, 3.0)), factor)
-    assert roaming.sum() == pytest.approx(forces_of(model, Pressure(1e-3), factor).sum() - 2.0)
+    assert roaming.sum() == pytest.approx(forces_of(model, (Pressure(1e-3),), factor).sum() - 2.0)
 
 
 def test_recessed_bars_are_thin_where_the_wall_has_room_for_their_slot() -> None:

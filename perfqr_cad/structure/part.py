@@ -1,0 +1,48 @@
+"""What is analysed: a light region, where it lies, and how it is meshed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from shapely.geometry import Polygon
+
+from perfqr_cad.structure.mesh.light_region import ThinPart, thin_parts
+from perfqr_cad.structure.mesh.tiling import Lattice
+from perfqr_cad.surface import Placement
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import Pattern
+
+
+@dataclass(frozen=True)
+class Part:
+    """A light region (mm, in the pattern plane) on a placement.
+
+    thin     parts of it that do not fill the wall
+    lattice  squares that repeat in it, to mesh each kind of them once
+    web_mm   width of its narrowest web at the back; None: its walls do not flare
+    """
+
+    polygon: Polygon
+    placement: Placement
+    thin: tuple[ThinPart, ...] = ()
+    lattice: Lattice | None = None
+    web_mm: float | None = None
+
+    @staticmethod
+    def of(pattern: Pattern, placement: Placement) -> Part:
+        """That of a pattern, recessed bars with their own thickness."""
+        return Part(
+            pattern.polygon,
+            placement,
+            thin_parts(pattern, placement.thickness_mm),
+            lattice_of(pattern),
+            pattern.spec.web_mm,
+        )
+
+
+def lattice_of(pattern: Pattern) -> Lattice:
+    """The lattice of a pattern's modules."""
+    half = 0.5 * pattern.symbol.size * pattern.module_mm
+    return Lattice(pattern.module_mm, (-half, -half))

@@ -1,0 +1,226 @@
+"""The structure on a mesh: a flat plate (3 unknowns a node) or a curved shell (6), behind one face."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from shapely.geometry import Polygon
+
+from perfqr_cad.errors import AnalysisError
+from perfqr_cad.structure.case import Case
+from perfqr_cad.structure.elements import mindlin_plate as plate
+from perfqr_cad.structure.elements import mindlin_shell as shell
+from perfqr_cad.structure.elements.assembly import Flags, Structure, System
+from perfqr_cad.structure.elements.condensing import TiledStructure
+from perfqr_cad.structure.elements.mindlin_plate import Section
+from perfqr_cad.structure.elements.solvers import Factor
+from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Load, Pressure, Support, Weight
+from perfqr_cad.structure.material_table import Material
+from perfqr_cad.structure.measure import von_mises
+from perfqr_cad.structure.mesh.tiled_mesh import TiledMesh
+from perfqr_cad.structure.mesh.triangle import SIX_POINTS, SIX_WEIGHTS, Floats, Ints, Mesh
+from perfqr_cad.structure.supports import held_nodes
+from perfqr_cad.surface import Placement
+
+KAPPA = 1.0  # shear correction: see docs/strength.md; 5/6 misses the solid by 3-7 % on perforated plates
+KG_PER_MM3_PER_KG_M3 = 1e-9
+N_PER_KG_MM_S2 = 1e-3
+FINGER_SITES = 8  # a side: where the worst place of a finger is looked for
+FINGERS_COMPARED = 12  # by stress, of those that do most work: the worst was among the first 7 on two parts
+
+
+@dataclass(frozen=True)
+class Model:
+    """A meshed part with its section, supports and element matrices.
+
+    `positions` (n, 3) and `frames` (n, 3, 3; rows e1, e2, n) are the middle surface at the nodes. `section`
+    has the thickness of each element, `wall_mm` that of the wall. Thin bars are taken in the middle of the
+    wall: standing aside would only stiffen them.
+    """
+
+    mesh: Mesh
+    domain: Polygon
+    wall_mm: float
+    section: Section
+    material: Material
+    support: Support
+    positions: Floats
+    frames: Floats
+    flat: bool
+    system: Structure
+    edge_mm: float
+
+    @property
+    def fixed(self) -> Flags:
+        """Which unknowns are held."""
+        return self.system.fixed
+
+    def factorise(self, solver: str | None = None) -> Factor:
+        """See `solvers.factorise`."""
+        return self.system.factorise(solver)
+
+    @cached_property
+    def area_mm2(self) -> Floats:
+        """Area of each element on the middle surface."""
+        return self.mesh.area_mm2 if self.flat else shell.areas(self.positions, self.mesh.elements)
+
+    def pressure_forces(self, pressure_mpa: Floats | float) -> Floats:
+        """Nodal forces of a pressure on the front, inward, one value for all elements or one for each."""
+        if self.flat:
+            return plate.normal_load(self.mesh, -np.asarray(pressure_mpa))
+        return shell.normal_load(self.positions, self.mesh.elements, -np.asarray(pressure_mpa))
+
+    def body_forces(self, per_volume: Floats) -> Floats:
+        """Nodal forces of a constant vector load (3,) in N/mm³."""
+        thickness = np.broadcast_to(self.section.thickness_mm, len(self.mesh.elements))
+        if not self.flat:
+            return shell.body_load(self.positions, self.mesh.elements, thickness[:, None] * per_volume)
+        along = self.frames[0] @ per_volume
+        if np.hypot(along[0], along[1]) > 1e-12 * np.linalg.norm(along):
+            raise AnalysisError("a flat plate under a load in its own plane needs the shell model")
+        return plate.normal_load(self.mesh, along[2] * thickness)
+
+    def corner_stresses(self, displacement: Floats) -> Floats:
+        """Stress tensors (m, 3, layers, 5) at the element corners, layers through the thickness."""
+        if self.flat:
+            return plate.stresses(self.mesh, displacement, self.section)
+        return shell.stresses(self.positions, self.frames, self.mesh.elements, displacement, self.section)
+
+    def alone(self, elements: Ints) -> Model:
+        """Some elements cut loose from each other: six nodes to each, and a motion of one moves no other."""
+        nodes = self.mesh.elements[elements].ravel()
+        thickness = np.broadcast_to(self.section.thickness_mm, len(self.mesh.elements))[elements]
+        mesh = Mesh(self.mesh.nodes[nodes], np.arange(len(nodes)).reshape(-1, 6), len(nodes))
+        section = replace(self.section, thickness_mm=thickness)
+        positions, frames = self.positions[nodes], self.frames[nodes]
+        return replace(self, mesh=mesh, section=section, positions=positions, frames=frames)
+
+    def translations(self, vector: Floats) -> Floats:
+        """Space components (n, 3) of the translations or forces in a vector of unknowns."""
+        if self.flat:
+            return vector[plate.W :: plate.DOFS, None] * self.frames[:, 2]
+        return vector.reshape(-1, shell.DOFS)[:, :3]
+
+
+def unknowns(mesh: Mesh, flat: bool) -> int:
+    """How many a model on a mesh has, held ones too."""
+    return len(mesh.nodes) * (plate.DOFS if flat else shell.DOFS)
+
+
+def build_model(
+    tiled: TiledMesh,
+    domain: Polygon,
+    placement: Placement,
+    case: Case,
+    edge_mm: float,
+    flat: bool,
+    thicknesses_mm: tuple[float, ...] = (),
+) -> Model:
+    """Element matrices and supports of a meshed region on the middle surface of a placement.
+
+    `thicknesses_mm` are those of the classes of material, () for the wall's alone.
+    """
+    mesh, wall = tiled.mesh, placement.thickness_mm
+    of_class = np.array(thicknesses_mm or (wall,))
+    section = Section(of_class[tiled.classes], case.material.e_mpa, case.material.nu, KAPPA)
+    positions = placement.at_depth(mesh.nodes, 0.5 * wall)
+    frames = placement.frame(mesh.nodes)
+    dofs = plate.DOFS if flat else shell.DOFS
+    fixed = np.repeat(held_nodes(mesh, domain, case.support)[:, None], dofs, axis=1)
+    if case.support.hold.pinned:
+        fixed[:, plate.BX if flat else shell.ROTATIONS.start :] = False
+    system: Structure
+    if flat:
+        matrices = tuple(
+            plate.stiffness(tile_mesh.mesh, replace(section, thickness_mm=of_class[tile_mesh.classes]))
+            for tile_mesh in (block.tile_mesh for block in tiled.blocks)
+        )
+        system = TiledStructure(tiled.blocks, matrices, dofs, fixed.ravel())
+    else:
+        matrices = shell.stiffness(positions, frames, mesh.elements, section)
+        system = System(mesh.elements, dofs, matrices, fixed.ravel())
+    return Model(
+        mesh, domain, wall, section, case.material, case.support, positions, frames, flat, system, edge_mm
+    )
+
+
+def forces_of(model: Model, loads: tuple[Load, ...], factor: Factor) -> Floats:
+    """Nodal forces (n·d,) of loads that act together.
+
+    The factor is used to find the worst place for a finger, given all other loads.
+    """
+    roaming = [load for load in loads if isinstance(load, Finger) and load.at_mm is None]
+    forces = np.zeros(len(model.fixed))
+    for one in loads:
+        if one not in roaming:
+            forces += _forces_of(model, one)
+    for finger in roaming:
+        forces = _worst_finger(model, finger, factor, forces)
+    return forces
+
+
+def _forces_of(model: Model, load: Load) -> Floats:
+    match load:
+        case Pressure(pressure_mpa):
+            return model.pressure_forces(pressure_mpa)
+        case Weight(direction, gravities):
+            per_kg = gravities * STANDARD_GRAVITY_MM_S2 * N_PER_KG_MM_S2
+            per_volume = model.material.density_kg_m3 * KG_PER_MM3_PER_KG_M3 * per_kg
+            way = -model.frames[:, 2].mean(axis=0) if direction is None else np.asarray(direction)
+            return model.body_forces(per_volume * way / np.linalg.norm(way))
+        case Finger():
+            return _finger_forces(model, load)
+
+
+def _finger_forces(model: Model, finger: Finger) -> Floats:
+    """Forces of a finger at its place.
+
+    Raises:
+        AnalysisError: no material lies under it.
+    """
+    assert finger.at_mm is not None
+    centres = model.mesh.nodes[model.mesh.elements[:, :3]].mean(axis=1)
+    near = np.linalg.norm(centres - finger.at_mm, axis=1) <= finger.radius_mm + model.mesh.longest_edge_mm
+    points = model.mesh.points(SIX_POINTS, near)
+    inside = np.linalg.norm(points - np.asarray(finger.at_mm), axis=2) <= finger.radius_mm
+    share = np.zeros(len(near))
+    share[near] = (inside @ SIX_WEIGHTS) / SIX_WEIGHTS.sum()
+    loaded = float(share @ model.area_mm2)
+    if loaded <= 0.0:
+        x, y = finger.at_mm
+        raise AnalysisError(
+            f"no material under a finger of radius {finger.radius_mm:g} mm at ({x:g}, {y:g}) mm:"
+            " move it onto the part"
+        )
+    return model.pressure_forces(finger.force_n / loaded * share)
+
+
+def _worst_finger(model: Model, finger: Finger, factor: Factor, others: Floats) -> Floats:
+    """Forces of the finger and others, it where it strains the part most, out of a grid of places.
+
+    The places of most work are compared by the stress there.
+    """
+    left, bottom, right, top = model.domain.bounds
+    steps = (np.arange(FINGER_SITES) + 0.5) / FINGER_SITES
+    free = ~model.fixed
+    cases: list[Floats] = []
+    work: list[float] = []
+    for x in left + steps * (right - left):
+        row: list[Floats] = []
+        for y in bottom + steps * (top - bottom):
+            try:
+                row.append(others + _finger_forces(model, replace(finger, at_mm=(float(x), float(y)))))
+            except AnalysisError:  # a hole larger than a finger
+                continue
+        if row:
+            cases += row
+            work += factor.work(np.stack(row, axis=1) * free[:, None]).tolist()
+    if not cases:
+        raise AnalysisError(
+            f"no material under a finger of radius {finger.radius_mm:g} mm anywhere: use a larger one"
+        )
+    most = [cases[k] for k in np.argsort(-np.array(work))[:FINGERS_COMPARED]]
+    peaks = [float(von_mises(model.corner_stresses(factor.solve(f * free))).max()) for f in most]
+    return most[int(np.argmax(peaks))]
