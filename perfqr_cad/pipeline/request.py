@@ -134,7 +134,7 @@ class Request:
     )
     caption: str | None = setting(
         None,
-        "a line of text on the frame below the code",
+        "text on the frame; a new line begins another line",
         group="Body",
         empty="none",
         max_length=MOST_CAPTION,
@@ -145,7 +145,20 @@ class Request:
         "height of the caption's capital letters",
         group="Body",
         range=(0.1, 1000.0),
-        empty="half of the frame",
+        empty="half of the frame, or what its lines leave",
+    )
+    caption_place: str = setting(
+        "bottom",
+        "on which side of the code the caption stands",
+        group="Body",
+        choices=("bottom:below", "top:above"),
+    )
+    font: str | None = setting(
+        None,
+        "font of the caption: the name of an installed one, or a file",
+        group="Body",
+        empty="DejaVu Sans, which comes along",
+        visible=True,
     )
     caption_relief_mm: float = setting(
         0.4,

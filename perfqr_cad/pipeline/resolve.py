@@ -14,6 +14,7 @@ from perfqr_cad.units import linear_from_srgb, srgb_from_linear
 if TYPE_CHECKING:
     from perfqr_cad.pattern import PatternSpec
     from perfqr_cad.profile import Backing, Caption, Walls
+    from perfqr_cad.profile.caption import Place
     from perfqr_cad.profile.colour import Colour
     from perfqr_cad.scan import Look, Schedule
     from perfqr_cad.scan.camera.look import RGB
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 DRAFT_DEG, LIP_MM = 15.0, 0.2
 LEAST_FLARED_MM = 4 * LIP_MM  # thinner sheets are cut, not printed, and hide little
 LAYER_SHARE = 0.75  # of its diameter: the thickest layer that a nozzle lays well
-CAPTION_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
 
 
 @dataclass(frozen=True)
@@ -80,14 +80,15 @@ def resolved(request: Request, *, or_straight: bool) -> Terms:
     straight instead."""
     from perfqr_cad.profile import Walls
 
+    drawing = _drawing(request)
     return Terms(
         request=request,
-        drawing=_drawing(request),
+        drawing=drawing,
         walls=Walls(request.draft_deg or 0.0, request.lip_mm or 0.0, request.depth_mm, or_straight),
         case=_case(request),
         views=_views(request),
         look=_look(request),
-        caption=_caption(request),
+        caption=_caption(request, drawing.web_mm),
         backing=_backing(request),
         colour=_part_colour(request),
     )
@@ -128,16 +129,19 @@ def _bars(request: Request) -> dict[str, Any]:
     return chosen | {name: value for name, value in asked.items() if value is not None}
 
 
-def _caption(request: Request) -> Caption | None:
+def _caption(request: Request, web_mm: float) -> Caption | None:
     """What is written on the frame."""
-    from perfqr_cad.profile import Caption
-
     if not request.caption:
         return None
-    height = request.caption_height_mm or CAPTION_SHARE * request.frame_mm
-    if not height:
-        raise DesignError(f"the caption {request.caption!r} needs a frame to stand on: give --frame 8, say")
-    return Caption(request.caption, height, request.caption_relief_mm)
+    if not request.frame_mm:
+        raise DesignError("a caption needs a frame to stand on: give --frame 8, say")
+    from perfqr_cad.profile.caption import Caption, fitting_height_mm
+
+    height_mm = request.caption_height_mm
+    if height_mm is None:
+        height_mm = fitting_height_mm(request.caption, request.font, request.frame_mm, web_mm)
+    place: Place = request.caption_place  # pyright: ignore[reportAssignmentType]  # Caption refuses others
+    return Caption(request.caption, height_mm, request.caption_relief_mm, request.font, place)
 
 
 def _backing(request: Request) -> Backing | None:
