@@ -68,8 +68,12 @@ def analyse_part(
     factor = model.factorise(case.solver)
     forces = forces_of(model, case.loads, factor)
     displacement = factor.solve(np.where(model.fixed, 0.0, forces))
-    taper = STRAIGHT if part.web_mm is None else Taper.of(part.web_mm, case.flare_mm)
-    return field_of(model, displacement, forces, case, taper, factor.name)
+    return field_of(model, displacement, forces, case, taper_of(part, case), factor.name)
+
+
+def taper_of(part: Part, case: Case) -> Taper:
+    """What the flare of holes adds in the narrowest web of a part."""
+    return STRAIGHT if part.web_mm is None else Taper.of(part.web_mm, case.flare_mm)
 
 
 def prepare(
@@ -124,7 +128,8 @@ def field_of(
         disc_width_mm=case.nozzle_mm,
         max_deflection_mm=float(abs(deflection[lowest])),
         max_deflection_at_mm=_pair(model.mesh.nodes[lowest]),
-        yield_mpa=case.limit_mpa,
+        yield_mpa=case.full_mpa,
+        limit_mpa=case.limit_mpa,
         load_n=load,
         reactions_n=reactions,
         balance=balance,

@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import shapely
 from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.case import Case
@@ -16,17 +18,18 @@ from perfqr_cad.structure.elements.assembly import Flags, Structure, System
 from perfqr_cad.structure.elements.condensing import TiledStructure
 from perfqr_cad.structure.elements.mindlin_plate import Section
 from perfqr_cad.structure.elements.solvers import Factor
-from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Load, Pressure, Support, Weight
+from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Hold, Load, Pressure, Support, Weight
 from perfqr_cad.structure.material_table import Material
 from perfqr_cad.structure.measure import von_mises
 from perfqr_cad.structure.mesh.tiled_mesh import TiledMesh
 from perfqr_cad.structure.mesh.triangle import SIX_POINTS, SIX_WEIGHTS, Floats, Ints, Mesh
-from perfqr_cad.structure.supports import held_nodes
+from perfqr_cad.structure.supports import held_nodes, pins
 from perfqr_cad.surface import Placement
 
 KAPPA = 1.0  # shear correction: see docs/strength.md; 5/6 misses the solid by 3-7 % on perforated plates
 KG_PER_MM3_PER_KG_M3 = 1e-9
 N_PER_KG_MM_S2 = 1e-3
+FACE, MIDDLE = np.array([1.0, 1, 1, 0, 0]), np.array([0.0, 0, 0, 1, 1])
 FINGER_SITES = 8  # a side: where the worst place of a finger is looked for
 FINGERS_COMPARED = 12  # by stress, of those that do most work: the worst was among the first 7 on two parts
 
@@ -88,6 +91,64 @@ class Model:
             return plate.stresses(self.mesh, displacement, self.section)
         return shell.stresses(self.positions, self.frames, self.mesh.elements, displacement, self.section)
 
+    def largest_at_centres(self, moved: Floats) -> Floats:
+        """The largest von Mises stress (k,) at any element's centre under displacements (n·d, k), to compare
+        loads by."""
+        local = moved.reshape(-1, self.system.dofs, moved.shape[1])[self.mesh.elements]
+        local = local.reshape(len(local), -1, moved.shape[1])
+        found = np.zeros(moved.shape[1])
+        for operator in self._centre_operators:
+            stress = np.matmul(operator, local).transpose(0, 2, 1)
+            for layer in (stress * FACE, stress * MIDDLE) if self.flat else (stress,):
+                found = np.maximum(found, von_mises(layer).max(axis=0))
+        return found
+
+    @cached_property
+    def _centre_operators(self) -> list[Floats]:
+        if self.flat:
+            return [plate.centre_operator(self.mesh, self.section)]
+        return shell.centre_operator(self.positions, self.frames, self.mesh.elements, self.section)
+
+    def share_inside(self, region: BaseGeometry) -> Floats:
+        """Which share (m,) of each element's area lies in a region of the pattern plane."""
+        left, low, right, high = region.bounds
+        reach = self.mesh.longest_edge_mm
+        x, y = self.centres.T
+        near = (x > left - reach) & (x < right + reach) & (y > low - reach) & (y < high + reach)
+        points = self.mesh.points(SIX_POINTS, near)
+        shapely.prepare(region)
+        inside = shapely.contains_xy(region, points[..., 0], points[..., 1])
+        share = np.zeros(len(near))
+        share[near] = (inside @ SIX_WEIGHTS) / SIX_WEIGHTS.sum()
+        return share
+
+    @cached_property
+    def centres(self) -> Floats:
+        """Centres (m, 2) of the elements in the pattern plane."""
+        return self.mesh.nodes[self.mesh.elements[:, :3]].mean(axis=1)
+
+    def nodal_areas(self, share: Floats) -> Floats:
+        """Area (n,) in mm² that belongs to each node, of elements that count with a share (m,)."""
+        if self.flat:
+            return plate.normal_load(self.mesh, share)[plate.W :: plate.DOFS]
+        upward = share[:, None] * np.array([0.0, 0.0, 1.0])
+        return shell.body_load(self.positions, self.mesh.elements, upward).reshape(-1, shell.DOFS)[:, 2]
+
+    @cached_property
+    def rigid_motions(self) -> Floats:
+        """Translations of the nodes as the part moves as a whole: (n, 3, 6), of a flat plate (n, 1, 3)."""
+        offset = self.positions - self.positions.mean(axis=0)
+        if self.flat:
+            x, y = np.einsum("nc,nac->an", offset, self.frames[:, :2])
+            return np.stack([np.ones_like(x), x, y], axis=1)[:, None]
+        unit = np.broadcast_to(np.eye(3), (len(offset), 3, 3))
+        turns = np.stack([np.cross(axis, offset) for axis in np.eye(3)], axis=2)
+        return np.concatenate([unit, turns], axis=2).astype(np.float64)
+
+    def moved(self, vector: Floats) -> Floats:
+        """What of a vector of unknowns or forces is translation: (n, 3), of a flat plate (n, 1)."""
+        return vector.reshape(-1, self.system.dofs)[:, : 1 if self.flat else 3]
+
     def alone(self, elements: Ints) -> Model:
         """Some elements cut loose from each other: six nodes to each, and a motion of one moves no other."""
         nodes = self.mesh.elements[elements].ravel()
@@ -128,9 +189,12 @@ def build_model(
     positions = placement.at_depth(mesh.nodes, 0.5 * wall)
     frames = placement.frame(mesh.nodes)
     dofs = plate.DOFS if flat else shell.DOFS
-    fixed = np.repeat(held_nodes(mesh, domain, case.support)[:, None], dofs, axis=1)
-    if case.support.hold.pinned:
-        fixed[:, plate.BX if flat else shell.ROTATIONS.start :] = False
+    if case.support.hold is Hold.FREE:
+        fixed = pins(positions, flat)
+    else:
+        fixed = np.repeat(held_nodes(mesh, domain, case.support)[:, None], dofs, axis=1)
+        if case.support.hold.pinned:
+            fixed[:, plate.BX if flat else shell.ROTATIONS.start :] = False
     system: Structure
     if flat:
         matrices = tuple(

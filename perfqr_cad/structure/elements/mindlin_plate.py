@@ -17,6 +17,7 @@ from itertools import product
 import numpy as np
 
 from perfqr_cad.structure.mesh.triangle import (
+    CENTRE,
     FROM_GAUSS_TO_CORNERS,
     THREE_POINTS,
     THREE_WEIGHTS,
@@ -132,6 +133,25 @@ def gauss_strains(mesh: Mesh, solution: Floats) -> Floats:
         ],
         axis=-1,
     )
+
+
+def centre_operator(mesh: Mesh, section: Section) -> Floats:
+    """Stress at the element centres per unknown of the element: (m, 5, 18), as the layers of `stresses` are.
+
+    Rows σxx, σyy, τxy of the face, then τxz, τyz of the middle.
+    """
+    slope = mesh.inverse_jacobian @ gradients(CENTRE)[0]
+    value = shapes(CENTRE)[0]
+    strain = np.zeros((len(slope), 5, 6, DOFS))
+    strain[:, 0, :, BX] = strain[:, 2, :, BY] = slope[:, 0]
+    strain[:, 1, :, BY] = strain[:, 2, :, BX] = slope[:, 1]
+    strain[:, 3, :, W], strain[:, 4, :, W] = slope[:, 0], slope[:, 1]
+    strain[:, 3, :, BX] = strain[:, 4, :, BY] = -value
+    thickness = np.broadcast_to(section.thickness_mm, len(slope))[:, None, None]
+    out = strain.reshape(len(slope), 5, -1)
+    out[:, :3] = -0.5 * thickness * (section.plane_stress @ out[:, :3])
+    out[:, 3:] *= 1.5 * section.kappa * section.shear_mpa
+    return out
 
 
 def stresses(mesh: Mesh, solution: Floats, section: Section) -> Floats:

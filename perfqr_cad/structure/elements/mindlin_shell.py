@@ -12,6 +12,7 @@ import numpy as np
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.elements.mindlin_plate import Section
 from perfqr_cad.structure.mesh.triangle import (
+    CENTRE,
     FROM_GAUSS_TO_CORNERS,
     SIX_POINTS,
     SIX_WEIGHTS,
@@ -157,6 +158,20 @@ def _scatter(at_points: Floats, elements: Ints, nodes: int) -> Floats:
     for c in range(3):
         forces[:, c] = np.bincount(elements.ravel(), local[:, c], minlength=nodes)
     return forces.ravel()
+
+
+def centre_operator(positions: Floats, frames: Floats, elements: Ints, section: Section) -> list[Floats]:
+    """Stress at the element centres per unknown of the element, (m, 5, 36) for the back and for the front."""
+    c = _elasticity(section)
+    thickness = np.broadcast_to(section.thickness_mm, len(elements))
+    x, n = positions[elements], frames[elements, 2]
+    axis = frames[elements, 0].mean(axis=1)
+    faces = []
+    for zeta in (-1.0, 1.0):
+        strain, _, _ = strain_matrix(x, n, CENTRE[0], zeta, thickness, axis)
+        strain[:, 3:] = 0.0  # faces carry no transverse shear
+        faces.append(c @ strain)
+    return faces
 
 
 def stresses(
