@@ -4,7 +4,7 @@ import sys
 
 from build123d import Align, Axis, Box, BuildPart, Locations, Mode, export_step, fillet
 
-from perfqr_cad.solid.frontends import PerforatedQR
+from perfqr_cad.frontends import PerforatedQR
 
 OUT = sys.argv[1] if len(sys.argv) > 1 else "stand.step"
 

@@ -4,7 +4,7 @@ import sys
 
 import cadquery as cq
 
-import perfqr_cad.solid.frontends.cadquery_plugin  # noqa: F401 - adds Workplane.perforatedQR
+import perfqr_cad.frontends.cadquery_plugin  # noqa: F401 - adds Workplane.perforatedQR
 
 OUT = sys.argv[1] if len(sys.argv) > 1 else "tags.step"
 

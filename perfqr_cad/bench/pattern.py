@@ -10,7 +10,7 @@ from typing import get_args
 
 from perfqr_cad.capture import Art, read
 from perfqr_cad.pattern import Pattern, PatternSpec, build
-from perfqr_cad.pattern.sampling import margin_left
+from perfqr_cad.pattern.cells.brightness import margin_left
 from perfqr_cad.pattern.spec import Objective
 from perfqr_cad.progress import tell
 from perfqr_cad.symbol import Symbol, blocks, encode
@@ -66,13 +66,13 @@ def run() -> Table:
 def cases() -> Iterator[Case]:
     """Plain codes of several versions, then every artistic code at hand."""
     for version in VERSIONS:
-        yield Case(f"version {version}", plain(version), None)
+        yield Case(f"version {version}", plain_code(version), None)
     for path in sorted(ART.glob("*")) if ART.is_dir() else []:
         capture = read(path)
         yield Case(path.name, capture.recovery.symbol, capture.art)
 
 
-def plain(version: int) -> Symbol:
+def plain_code(version: int) -> Symbol:
     """A level M code of a version, nearly full of text that looks random."""
     room = int(FILL * (blocks(version, "M").data_codewords - 3))
     noise = "".join(LETTERS[(k * k * 7 + k * 3) % 97 % len(LETTERS)] for k in range(room))
@@ -101,4 +101,4 @@ def _row(case: Case, objective: Objective) -> tuple[object, ...]:
 
 
 def _margin(pattern: Pattern) -> float:
-    return margin_left(pattern.draft.lattice, pattern.symbol)
+    return margin_left(pattern.canvas.lattice, pattern.symbol)

@@ -6,11 +6,12 @@ import time
 from collections.abc import Callable
 from functools import partial
 
+from perfqr_cad.geometry import Triangles
 from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.scan import FULL, Look, ScanReport, Scene, View, certify, place
-from perfqr_cad.scan.camera import Camera
+from perfqr_cad.scan.camera.camera import Camera
 from perfqr_cad.solid import build as build_solid
-from perfqr_cad.surface import Plane, Triangles
+from perfqr_cad.surface import Plane
 from perfqr_cad.symbol import encode
 from perfqr_cad.table import Table
 
@@ -33,7 +34,7 @@ def run() -> Table:
     rows: list[tuple[object, ...]] = [("sections and light, once a part", *_timed(prepare), None)]
     for tilt in TILTS_DEG:
         view = View(tilt, 25.0)
-        camera = Camera(view, scene.part.target)
+        camera = Camera(view, scene.part.code)
         rows.append(
             (f"plate, 1000 x 1000, {tilt:g}°", *_timed(partial(scene.layered, camera, Look(), 0.85)), 0.05)
         )
@@ -56,7 +57,7 @@ def run() -> Table:
 def _certify(triangles: Triangles, pattern: Pattern, *, full: bool) -> ScanReport:
     placement = Plane(2.0)
     if full:
-        return certify(triangles, placement, pattern, TEXT, plan=FULL, decoders=None)
+        return certify(triangles, placement, pattern, TEXT, schedule=FULL, decoders=None)
     return certify(triangles, placement, pattern, TEXT)
 
 

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Exact solids: building, proof, STEP and STL, and what the same work costs the naive way."""
 
 from __future__ import annotations
@@ -16,7 +14,8 @@ import numpy as np
 from perfqr_cad.pattern import Pattern, PatternSpec
 from perfqr_cad.pattern import build as build_pattern
 from perfqr_cad.pattern.choice import easiest_mask
-from perfqr_cad.solid import Solid, Walls
+from perfqr_cad.profile import Walls
+from perfqr_cad.solid import Solid
 from perfqr_cad.surface import Cylinder, HeightField, Placement, Plane, Sphere
 from perfqr_cad.symbol import encode
 from perfqr_cad.table import Table
@@ -132,7 +131,7 @@ def _kernel_writer(shape: Any, path: Path) -> float:
     """The kernel's STEP writer on the same solid: it heals every perforated face again, wire against wire."""
     from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
 
-    from perfqr_cad.solid import occ
+    from perfqr_cad.solid.kernel import occ
 
     occ.silence()
     start = time.process_time()

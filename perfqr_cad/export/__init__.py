@@ -18,10 +18,9 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.staging import check_writable, staged
 from perfqr_cad.progress import tell
-
-from .design_view import DesignView
-from .staging import probe, staged
 
 # Suffix -> module of this package; loaded on use, since several pull in a heavy library.
 FORMATS: dict[str, str] = {
@@ -33,7 +32,7 @@ FORMATS: dict[str, str] = {
     ".dxf": "dxf",
     ".scad": "scad",
     ".glb": "glb",
-    ".png": "png",
+    ".png": "picture",
     ".vtu": "vtu",
     ".html": "report",
     ".json": "certificate",
@@ -76,7 +75,7 @@ def check(outputs: Sequence[str | Path]) -> None:
     folders = {Path(output) for output in outputs if _is_folder(output)}
     for target in _targets(outputs):
         module_of(target)
-        probe(target.parent, create=target.parent in folders)
+        check_writable(target.parent, create=target.parent in folders)
 
 
 def write(design: DesignView, path: str | Path) -> FileRecord:

@@ -9,10 +9,10 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from perfqr_cad.pattern import Arc, Bezier, Bridge, Circle, Line, Loop
-from perfqr_cad.pattern.outline import Segment
-
-from .design_view import DesignView
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop
+from perfqr_cad.geometry.outline import Segment
+from perfqr_cad.pattern import Bridge
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from perfqr_cad.export.design_view import DesignView
 from perfqr_cad.units import linear_from_srgb
-
-from .design_view import DesignView
 
 if TYPE_CHECKING:
     from perfqr_cad.solid import Solid

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from .design_view import DesignView
+from perfqr_cad.export.design_view import DesignView
 
 CURVE_TOL_MM = 0.01  # chord error of flattened curves: a fifth of a thin layer
 SAME_VOLUME = 1e-6  # relative: a flat part of this volume is the plain extrusion of its outline

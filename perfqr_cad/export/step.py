@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from perfqr_cad import solid
-
-from .design_view import DesignView
+from perfqr_cad.export.design_view import DesignView
 
 
 def write(design: DesignView, path: Path) -> None:

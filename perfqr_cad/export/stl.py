@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .design_view import DesignView
+from perfqr_cad.export.design_view import DesignView
 
 # Must not begin with "solid", the mark of the text form; 80 bytes.
 HEADER = b"binary STL, millimetres, perfqr-cad".ljust(80)

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-from perfqr_cad.pattern import Arc, Bezier, Bridge, Circle, Line, Loop, Pattern
-
-from .design_view import DesignView
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop
+from perfqr_cad.pattern import Bridge, Pattern
 
 DIGITS = 6  # after the point: a nanometre
 MATERIAL = "#e9e4d8"

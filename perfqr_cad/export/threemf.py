@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
 
-from .design_view import DesignView
+from perfqr_cad.export.design_view import DesignView
 
 if TYPE_CHECKING:
     from perfqr_cad.solid import Solid

@@ -7,8 +7,7 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-
-from .design_view import DesignView
+from perfqr_cad.export.design_view import DesignView
 
 
 def write(design: DesignView, path: Path) -> None:

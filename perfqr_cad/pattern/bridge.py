@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
-from perfqr_cad.pattern.outline import Point
+from perfqr_cad.geometry.outline import Point
 
 Stage = Literal["function", "connectivity", "structural"]
 
@@ -41,3 +41,10 @@ class Bridge:
         reach = self.width_mm / 2 / math.dist(self.start, self.end)
         dx, dy = (y1 - y0) * reach, (x0 - x1) * reach  # half the width to the right
         return (x0 + dx, y0 + dy), (x1 + dx, y1 + dy), (x1 - dx, y1 - dy), (x0 - dx, y0 - dy)
+
+    def lengthened(self, by_mm: float) -> Bridge:
+        """The same bar, longer by so much at both ends."""
+        (x0, y0), (x1, y1) = self.start, self.end
+        share = by_mm / math.dist(self.start, self.end)
+        dx, dy = (x1 - x0) * share, (y1 - y0) * share
+        return replace(self, start=(x0 - dx, y0 - dy), end=(x1 + dx, y1 + dy))

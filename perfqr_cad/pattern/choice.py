@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from perfqr_cad.pattern.lattice import checkerboards, label
+from perfqr_cad.pattern.cells.lattice import checkerboards, label
 from perfqr_cad.pattern.spec import PatternSpec, Tone
 from perfqr_cad.symbol import Symbol
 

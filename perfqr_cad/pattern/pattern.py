@@ -9,14 +9,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.outline import Region
 from perfqr_cad.pattern.bridge import Bridge
-from perfqr_cad.pattern.outline import Region
 from perfqr_cad.pattern.spec import PatternSpec
 
 if TYPE_CHECKING:
     from shapely.geometry import Polygon
 
-    from perfqr_cad.pattern.draft import Draft
+    from perfqr_cad.pattern.cells.canvas import Canvas
     from perfqr_cad.symbol import Matrix, Readability, Symbol
 
 
@@ -44,7 +44,7 @@ class Pattern:
     optimality        what was proved, None for the baselines
     losses            L(Q) after each connector of the baselines (Fig. 9); empty for `optimal`
     size_reason       why the module has the size it has
-    draft             the lattice that the outline was drawn from
+    canvas             the lattice that the outline was drawn from
     """
 
     symbol: Symbol
@@ -62,7 +62,7 @@ class Pattern:
     optimality: Optimality | None
     losses: tuple[float, ...]
     size_reason: str
-    draft: Draft = field(repr=False)
+    canvas: Canvas = field(repr=False)
 
     @property
     def size_mm(self) -> float:
@@ -87,10 +87,10 @@ class Pattern:
     @cached_property
     def web_polygon(self) -> Polygon:
         """The polygon by which the least web is judged: recessed bars count as wide as that (`as_webs`)."""
-        from perfqr_cad.pattern.front import joined
-        from perfqr_cad.pattern.rings import as_webs
+        from perfqr_cad.pattern.drawing.front import joined
+        from perfqr_cad.pattern.joining.rings import as_webs
 
-        return joined(self.front, as_webs(self.draft, self.spec)).polygon()
+        return joined(self.front, as_webs(self.canvas, self.spec)).polygon()
 
     def with_bridge(self, bridge: Bridge) -> Pattern:
         """The pattern with one more bridge, sampled again; see `with_bridges`."""
@@ -101,12 +101,12 @@ class Pattern:
 
         DesignError when a web is too thin or when the code can no longer be read.
         """
-        from perfqr_cad.pattern.finish import finish
+        from perfqr_cad.pattern.drawing.finish import finish
 
-        draft = self.draft
+        canvas = self.canvas
         for bridge in bridges:
-            draft = draft.with_slanted(bridge)
-        pattern = finish(draft, self)
+            canvas = canvas.with_slanted(bridge)
+        pattern = finish(canvas, self)
         if math.isinf(pattern.readability.total) and math.isfinite(self.readability.total):
             errors, capacity = max(pattern.readability.errors), min(pattern.readability.capacity)
             raise DesignError(

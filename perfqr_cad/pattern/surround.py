@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern.outline import Arc, Circle, Line, Loop, Region
+from perfqr_cad.geometry.outline import Arc, Circle, Line, Loop, Region
 
 SQUARE_TOL = 1e-6  # share by which the area of the code's outline may differ from its square
 

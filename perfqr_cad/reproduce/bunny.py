@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+from perfqr_cad.geometry import Triangles
 from perfqr_cad.progress import tell
-from perfqr_cad.reproduce.exhibits import drawn, handheld, rate, save
+from perfqr_cad.reproduce.exhibits import handheld, rate, save, stand_in_pattern
 from perfqr_cad.reproduce.stand_ins import SHARED, TABLE_1
 from perfqr_cad.scan import FlatPrint, Look, Scene, View, place, printed
-from perfqr_cad.scan.decoders import available
-from perfqr_cad.surface import Triangles
+from perfqr_cad.scan.decoding.decoders import available
 from perfqr_cad.table import Table
 
 MESH = SHARED.parent / "meshes" / "bunny.off"
@@ -52,12 +52,12 @@ def run(out: Path, views: int = 8) -> Table:
 @lru_cache(maxsize=1)
 def bunny(out: Path) -> tuple[Scene, FlatPrint, bytes]:
     """The carved mesh before the camera, the flat print of its code, and the payload."""
-    from perfqr_cad.solid import Walls
-    from perfqr_cad.solid.meshtarget import MeshTarget
+    from perfqr_cad.hosts.mesh import MeshTarget
+    from perfqr_cad.profile import Walls
 
     tell("carve the Bunny")
     row = next(row for row in TABLE_1 if row.name == "CADGraphics")
-    captured, pattern = drawn(row, out)
+    captured, pattern = stand_in_pattern(row, out)
     extent = EXTENT_PER_CODE * pattern.size_mm
     if MESH.is_file():
         target = MeshTarget(path=MESH, extent_mm=extent, hollow_mm=WALL_MM)

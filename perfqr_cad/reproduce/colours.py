@@ -11,7 +11,7 @@ from perfqr_cad.progress import tell
 from perfqr_cad.reproduce.exhibits import exhibits, handheld, rate, save
 from perfqr_cad.scan import WHITE, Look, View
 from perfqr_cad.scan.colours import BACKGROUNDS, LEAST_CONTRAST, contrast
-from perfqr_cad.scan.decoders import CORE
+from perfqr_cad.scan.decoding.decoders import CORE
 from perfqr_cad.table import Table
 
 # §6: success rate on each ground, %; white filament, 120 scans each.

@@ -16,9 +16,9 @@ from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.progress import tell
 from perfqr_cad.reproduce.stand_ins import TABLE_1, THICKNESS_MM, Row, picture
 from perfqr_cad.scan import FlatPrint, Look, Scene, View, place, printed, reads
-from perfqr_cad.scan.decoders import CORE, accepted
-from perfqr_cad.scan.panel import shared
-from perfqr_cad.scan.scene import jittered
+from perfqr_cad.scan.camera.scene import jittered
+from perfqr_cad.scan.decoding.decoders import CORE, accepted
+from perfqr_cad.scan.decoding.panel import shared
 from perfqr_cad.surface import Plane
 
 DEFAULT_TEXT = "https://example.com/p/1234567"
@@ -47,7 +47,7 @@ def exhibit(name: str, out: Path) -> Exhibit:
 
     row = next(row for row in TABLE_1 if row.name == name)
     tell(f"make {name}")
-    captured, pattern = drawn(row, out)
+    captured, pattern = stand_in_pattern(row, out)
     placement = Plane(THICKNESS_MM)
     solid = build_solid(pattern, placement)
     art = captured.art
@@ -59,7 +59,7 @@ def exhibit(name: str, out: Path) -> Exhibit:
 @lru_cache(maxsize=1)
 def default_part() -> Exhibit:
     """What `perfqr make` gives without settings: a plain version-5 code on 60 mm."""
-    from perfqr_cad.design import make
+    from perfqr_cad.pipeline.chain import make
 
     design = make(text=DEFAULT_TEXT, version=5, size_mm=60.0)
     pattern = design.pattern
@@ -68,7 +68,7 @@ def default_part() -> Exhibit:
     return Exhibit("default", DEFAULT_TEXT.encode(), scene, paper, pattern)
 
 
-def drawn(row: Row, out: Path) -> tuple[Capture, Pattern]:
+def stand_in_pattern(row: Row, out: Path) -> tuple[Capture, Pattern]:
     """The stand-in's pattern at the paper's size, or at the least that the nozzle can make."""
     from perfqr_cad.capture import read
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from perfqr_cad.progress import tell
 from perfqr_cad.reproduce.exhibits import exhibit, handheld, rate
 from perfqr_cad.scan import Look
-from perfqr_cad.scan.decoders import CORE
+from perfqr_cad.scan.decoding.decoders import CORE
 from perfqr_cad.table import Table
 
 TILTS_DEG = tuple(range(0, 65, 5))

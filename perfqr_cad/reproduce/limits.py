@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from perfqr_cad.progress import tell
 from perfqr_cad.reproduce.exhibits import Exhibit, default_part, rate, save
 from perfqr_cad.scan import Light, Look, Optics, Scene, View
-from perfqr_cad.scan.decoders import CORE
+from perfqr_cad.scan.decoding.decoders import CORE
 from perfqr_cad.table import Table
 
 SIDE_DEG = 25.0  # azimuth and a slight tilt, so that nothing is square to the picture

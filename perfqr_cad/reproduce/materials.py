@@ -8,9 +8,9 @@ from typing import Any
 from perfqr_cad.progress import tell
 from perfqr_cad.reproduce.exhibits import exhibit, handheld, rate, save
 from perfqr_cad.scan import BLACK, WHITE, Look, View
+from perfqr_cad.scan.camera.look import RGB
 from perfqr_cad.scan.colours import FILAMENTS, contrast
-from perfqr_cad.scan.decoders import CORE
-from perfqr_cad.scan.look import RGB
+from perfqr_cad.scan.decoding.decoders import CORE
 from perfqr_cad.table import Table
 
 GROUNDS: dict[str, RGB] = {"black": BLACK, "grey": (0.18, 0.18, 0.18), "white": WHITE}

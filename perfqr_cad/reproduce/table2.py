@@ -10,7 +10,7 @@ from pathlib import Path
 from perfqr_cad.reproduce.bunny import bunny
 from perfqr_cad.reproduce.exhibits import exhibits, handheld, rate, save
 from perfqr_cad.scan import Look, View
-from perfqr_cad.scan.decoders import available
+from perfqr_cad.scan.decoding.decoders import available
 from perfqr_cad.scan.proof import PATIENCE
 from perfqr_cad.table import Table
 

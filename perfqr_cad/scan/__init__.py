@@ -5,30 +5,30 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .look import BLACK, WHITE, Light, Look, Optics
-from .report import DecoderResult, ScanReport, Sight
+from perfqr_cad.scan.camera.look import BLACK, WHITE, Light, Look, Optics
+from perfqr_cad.scan.report import DecoderResult, FilmedView, ScanReport
 
 if TYPE_CHECKING:
-    from .camera import Camera, Target, View
-    from .drawn import drawn
-    from .filed import part
-    from .flat import FlatPrint, printed
-    from .panel import Panel
-    from .placing import Part, load_mesh, place
-    from .proof import FULL, QUICK, Plan, certify, reads
-    from .scene import Scene
-    from .search import Goal, Trial, improve
-    from .surrogate import Legibility, legibility
+    from perfqr_cad.scan.camera.camera import Camera, CodeFrame, View
+    from perfqr_cad.scan.camera.flat import FlatPrint, printed
+    from perfqr_cad.scan.camera.placing import Part, load_mesh, place
+    from perfqr_cad.scan.camera.preview import plate_scene
+    from perfqr_cad.scan.camera.scene import Scene
+    from perfqr_cad.scan.decoding.panel import Panel
+    from perfqr_cad.scan.filed import part
+    from perfqr_cad.scan.proof import FULL, QUICK, Schedule, certify, reads
+    from perfqr_cad.scan.search import Goal, Trial, improve
+    from perfqr_cad.scan.surrogate import Legibility, legibility
 
 _MODULES = {
-    "camera": ("Camera", "Target", "View"),
-    "drawn": ("drawn",),
+    "camera.camera": ("Camera", "CodeFrame", "View"),
+    "camera.flat": ("FlatPrint", "printed"),
+    "camera.placing": ("Part", "load_mesh", "place"),
+    "camera.scene": ("Scene",),
+    "camera.preview": ("plate_scene",),
+    "decoding.panel": ("Panel",),
     "filed": ("part",),
-    "flat": ("FlatPrint", "printed"),
-    "panel": ("Panel",),
-    "placing": ("Part", "load_mesh", "place"),
-    "proof": ("FULL", "QUICK", "Plan", "certify", "reads"),
-    "scene": ("Scene",),
+    "proof": ("FULL", "QUICK", "Schedule", "certify", "reads"),
     "search": ("Goal", "Trial", "improve"),
     "surrogate": ("Legibility", "legibility"),
 }
@@ -36,9 +36,36 @@ _MODULES = {
 _LAZY = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
-    "BLACK", "FULL", "QUICK", "WHITE", "Camera", "DecoderResult", "FlatPrint", "Goal", "Legibility", "Light",
-    "Look", "Optics", "Panel", "Part", "Plan", "ScanReport", "Scene", "Sight", "Target", "Trial", "View",
-    "certify", "drawn", "improve", "legibility", "load_mesh", "part", "place", "printed", "reads",
+    "BLACK",
+    "FULL",
+    "QUICK",
+    "WHITE",
+    "Camera",
+    "CodeFrame",
+    "DecoderResult",
+    "FilmedView",
+    "FlatPrint",
+    "Goal",
+    "Legibility",
+    "Light",
+    "Look",
+    "Optics",
+    "Panel",
+    "Part",
+    "ScanReport",
+    "Scene",
+    "Schedule",
+    "Trial",
+    "View",
+    "certify",
+    "improve",
+    "legibility",
+    "load_mesh",
+    "part",
+    "place",
+    "plate_scene",
+    "printed",
+    "reads",
 ]  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from perfqr_cad.scan.look import BLACK, RGB, WHITE
+from perfqr_cad.scan.camera.look import BLACK, RGB, WHITE
 
 # Saturated card: 80 % where it reflects and 5 % where it absorbs (typical of coated colour card).
 _HIGH, _LOW = 0.8, 0.05

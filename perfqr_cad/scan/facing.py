@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.scan.camera import View
-from perfqr_cad.scan.look import Look
-from perfqr_cad.scan.panel import Panel
-from perfqr_cad.scan.placing import place
-from perfqr_cad.scan.scene import Scene
-from perfqr_cad.surface import Triangles
+from perfqr_cad.geometry import Triangles
+from perfqr_cad.scan.camera.camera import View
+from perfqr_cad.scan.camera.look import Look
+from perfqr_cad.scan.camera.placing import place
+from perfqr_cad.scan.camera.scene import Scene
+from perfqr_cad.scan.decoding.panel import Panel
 
 # The reader's right, up and outward by side; the top first, then the sides, upright.
 SIDES: dict[str, tuple[tuple[int, int, int], ...]] = {
@@ -58,15 +58,11 @@ def turned(
 
 def _frontmost(triangles: Triangles) -> Triangles:
     """The bodies of a file without those that lie wholly behind the highest one, seen along z."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     faces, heights = np.asarray(triangles.faces, np.int64), np.asarray(triangles.vertices, float)[:, 2]
     if len(faces) == 0:
         return triangles
-    joined = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    links = coo_array((np.ones(len(joined), np.int8), joined.T), shape=(len(heights),) * 2)
-    count, body = connected_components(links, directed=False)
+    body = triangles.vertex_components
+    count = int(body.max()) + 1
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(low, body, heights)
     np.maximum.at(high, body, heights)

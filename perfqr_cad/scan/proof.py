@@ -11,18 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import AnalysisError, CaptureError, SymbolError
+from perfqr_cad.geometry import Triangles
 from perfqr_cad.progress import counter
 from perfqr_cad.scan import advice
-from perfqr_cad.scan.camera import View
+from perfqr_cad.scan.camera.camera import View
+from perfqr_cad.scan.camera.flat import FlatPrint, printed
+from perfqr_cad.scan.camera.look import Look
+from perfqr_cad.scan.camera.placing import place
+from perfqr_cad.scan.camera.scene import Scene, jittered
 from perfqr_cad.scan.colours import BACKGROUNDS, contrast, contrast_warning
-from perfqr_cad.scan.decoders import CORE, accepted
-from perfqr_cad.scan.flat import FlatPrint, printed
-from perfqr_cad.scan.look import Look
-from perfqr_cad.scan.panel import Panel, shared
-from perfqr_cad.scan.placing import place
-from perfqr_cad.scan.report import DecoderResult, ScanReport, Sight
-from perfqr_cad.scan.scene import Scene, jittered
-from perfqr_cad.surface import Placement, Triangles
+from perfqr_cad.scan.decoding.decoders import CORE, accepted
+from perfqr_cad.scan.decoding.panel import Panel, shared
+from perfqr_cad.scan.report import DecoderResult, FilmedView, ScanReport
+from perfqr_cad.surface import Placement
 from perfqr_cad.symbol import Matrix
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 
 # Whether a part reads at all must not hang on the noise of one frame, nor on one distance: who scans from
-# straight above moves the phone until it reads. Picture sizes of the frontal frames, of the plan's own.
+# straight above moves the phone until it reads. Picture sizes of the frontal frames, of the schedule's own.
 NEARER = (1.0, 1.25, 0.8, 1.25, 1.5)
 FRONTAL_FRAMES = len(NEARER)
 # The paper gives a scanner 2 s. A phone decodes ten frames and more in that time, of which these are tried.
@@ -39,7 +40,7 @@ SCANS = 2  # of every background
 
 
 @dataclass(frozen=True)
-class Plan:
+class Schedule:
     """Which views are filmed. Tilts rise from 0; each is filmed from every azimuth.
 
     frames   a view is missed when this many frames of an unsteady hand are; the frontal view always gets
@@ -68,8 +69,8 @@ class Plan:
 
 
 # Off the code's axes: walls of both directions show.
-QUICK = Plan((0.0, 20.0, 30.0), (65.0, 205.0), size_px=640)
-FULL = Plan(
+QUICK = Schedule((0.0, 20.0, 30.0), (65.0, 205.0), size_px=640)
+FULL = Schedule(
     (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0),
     (25.0, 115.0, 205.0, 295.0),
     frames=PATIENCE,
@@ -91,7 +92,7 @@ def certify(
     pattern: Pattern | None,
     payload: str | bytes | None,
     *,
-    plan: Plan = QUICK,
+    schedule: Schedule = QUICK,
     decoders: Sequence[str] | None = CORE,
     look: Look | None = None,
     seed: int = 0,
@@ -114,21 +115,21 @@ def certify(
     scene = Scene(place(triangles, placement, edge_mm=edge_mm, behind=behind))
     panel = shared(decoders)
     if payload is None:
-        payload = _agreed(scene, look, panel, plan)
+        payload = _agreed(scene, look, panel, schedule)
     right = accepted(payload)
-    views = plan.views()
+    views = schedule.views()
     film = partial(reads, look=look, right=right, panel=panel, seed=seed)
-    patience = plan.patience()
+    patience = schedule.patience()
     read = film(scene, views, frames=patience, step="film the part")
-    on_paper = _flat_print(scene, pattern, look, plan)
+    on_paper = _flat_print(scene, pattern, look, schedule)
     flat_read = None
     if on_paper is not None:
         flat_read = film(on_paper, views, frames=patience, step="film the flat print")
-    colours = _backgrounds(scene, look, right, panel, plan, read[0], seed)
+    colours = _backgrounds(scene, look, right, panel, schedule, read[0], seed)
     results = {
         name: DecoderResult(
-            name, plan.tilts_deg, _rates(name, plan, views, read),
-            None if flat_read is None else _rates(name, plan, views, flat_read),
+            name, schedule.tilts_deg, _rates(name, schedule, views, read),
+            None if flat_read is None else _rates(name, schedule, views, flat_read),
         )
         for name in panel.names
     }  # fmt: skip
@@ -192,17 +193,19 @@ def _seed(seed: int, view: int, frame: int) -> int:
     return int(np.random.SeedSequence([seed, view, frame]).generate_state(1)[0])
 
 
-def _rates(name: str, plan: Plan, views: Sequence[View], read: Sequence[frozenset[str]]) -> tuple[float, ...]:
+def _rates(
+    name: str, schedule: Schedule, views: Sequence[View], read: Sequence[frozenset[str]]
+) -> tuple[float, ...]:
     """Share of the azimuths at each tilt that one decoder reads."""
-    hits = {tilt: [] for tilt in plan.tilts_deg}
+    hits = {tilt: [] for tilt in schedule.tilts_deg}
     for view, names in zip(views, read, strict=True):
         hits[view.tilt_deg].append(name in names)
     return tuple(float(np.mean(hit)) for hit in hits.values())
 
 
-def _agreed(scene: Scene, look: Look, panel: Panel, plan: Plan) -> bytes:
+def _agreed(scene: Scene, look: Look, panel: Panel, schedule: Schedule) -> bytes:
     """What the decoders that read the part from straight above say, if it is one thing."""
-    view = plan.views()[0]
+    view = schedule.views()[0]
     readings = panel.read(scene.photo(view, look))
     said = {payload for payloads in readings.values() for payload in payloads}
     if len(said) != 1:
@@ -213,12 +216,12 @@ def _agreed(scene: Scene, look: Look, panel: Panel, plan: Plan) -> bytes:
     return said.pop()
 
 
-def _flat_print(scene: Scene, pattern: Pattern | None, look: Look, plan: Plan) -> FlatPrint | None:
+def _flat_print(scene: Scene, pattern: Pattern | None, look: Look, schedule: Schedule) -> FlatPrint | None:
     """The same symbol on paper, of the same size."""
     if pattern is not None:
         return printed(pattern.symbol.matrix.dark, pattern.size_mm, quiet_modules=pattern.quiet_modules)
-    matrix = _matrix_seen(scene.photo(plan.views()[0], look))
-    return None if matrix is None else printed(matrix.dark, scene.part.target.edge_mm)
+    matrix = _matrix_seen(scene.photo(schedule.views()[0], look))
+    return None if matrix is None else printed(matrix.dark, scene.part.code.edge_mm)
 
 
 def _matrix_seen(picture: NDArray[np.uint8]) -> Matrix | None:
@@ -236,20 +239,20 @@ def _backgrounds(
     look: Look,
     right: frozenset[bytes],
     panel: Panel,
-    plan: Plan,
+    schedule: Schedule,
     readers: frozenset[str],
     seed: int,
 ) -> dict[str, float]:
     """Share of scans read on each ground, over the decoders that read the part frontally at all.
 
-    A scan is a frontal view by an unsteady hand, given as many frames as any other view of the plan.
+    A scan is a frontal view by an unsteady hand, given as many frames as any other view of the schedule.
     """
-    still = [View(size_px=plan.size_px)] * SCANS
+    still = [View(size_px=schedule.size_px)] * SCANS
     views = [jittered(view, np.random.default_rng([seed, k])) for k, view in enumerate(still)]
     rates: dict[str, float] = {}
-    for ground in plan.backgrounds:
+    for ground in schedule.backgrounds:
         there = replace(look, ground=BACKGROUNDS[ground])
-        frames = [plan.frames] * SCANS
+        frames = [schedule.frames] * SCANS
         read = reads(scene, views, there, right, panel, frames=frames, seed=seed, step=f"{ground} ground")
         rates[ground] = sum(len(names & readers) for names in read) / (SCANS * max(len(readers), 1))
     return rates
@@ -262,7 +265,7 @@ def _telling(
     read: Sequence[frozenset[str]],
     names: Sequence[str],
     seed: int,
-) -> tuple[Sight | None, Sight | None]:
+) -> tuple[FilmedView | None, FilmedView | None]:
     """The steepest view that all frontal readers still read, and the first that one of them misses."""
     readers = read[0]
     worst: int | None = None
@@ -273,12 +276,12 @@ def _telling(
         elif first is None:
             first = int(k)
 
-    def sight(k: int | None) -> Sight | None:
+    def sight(k: int | None) -> FilmedView | None:
         if k is None:
             return None
         missed = tuple(name for name in names if name not in read[k])
         picture = scene.photo(views[k], look, seed=_seed(seed, k, 0))
-        return Sight(
+        return FilmedView(
             picture, views[k].tilt_deg, views[k].azimuth_deg, tuple(n for n in names if n in read[k]), missed
         )
 

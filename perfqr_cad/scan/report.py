@@ -58,7 +58,7 @@ def _limit(tilts: tuple[float, ...], rates: tuple[float, ...]) -> float | None:
 
 
 @dataclass(frozen=True)
-class Sight:
+class FilmedView:
     """A view worth a look: its picture, where it was taken from, and who read it."""
 
     picture: NDArray[np.uint8] = field(repr=False)
@@ -81,8 +81,8 @@ class ScanReport:
     payload: str | None
     decoders: dict[str, DecoderResult]
     backgrounds: dict[str, float]
-    worst_read: Sight | None = None
-    first_missed: Sight | None = None
+    worst_read: FilmedView | None = None
+    first_missed: FilmedView | None = None
     advice: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 

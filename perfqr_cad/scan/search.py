@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 from perfqr_cad.errors import PerfQRError
 from perfqr_cad.progress import tell
-from perfqr_cad.scan.decoders import CORE, accepted
-from perfqr_cad.scan.look import Look
-from perfqr_cad.scan.panel import shared
-from perfqr_cad.scan.proof import PATIENCE, Plan, reads
-from perfqr_cad.scan.scene import Scene
+from perfqr_cad.scan.camera.look import Look
+from perfqr_cad.scan.camera.scene import Scene
+from perfqr_cad.scan.decoding.decoders import CORE, accepted
+from perfqr_cad.scan.decoding.panel import shared
+from perfqr_cad.scan.proof import PATIENCE, Schedule, reads
 from perfqr_cad.scan.surrogate import Legibility, legibility
 from perfqr_cad.symbol import Matrix
 
@@ -129,7 +129,7 @@ def _confirm(stage: Stage, trial: Trial, goal: Goal, look: Look) -> Trial:
     """Ask the panel: share of decoders x views that read the part at the goal's tilt and before it."""
     if trial.legibility is None:
         return trial
-    views = Plan(tuple(share * goal.tilt_deg for share in SHARES), goal.azimuths_deg).views()
+    views = Schedule(tuple(share * goal.tilt_deg for share in SHARES), goal.azimuths_deg).views()
     panel = shared(goal.decoders)
     read = reads(
         stage(trial.settings), views, look, accepted(goal.payload), panel,

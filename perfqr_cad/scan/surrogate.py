@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.scan.camera import Camera, View
-from perfqr_cad.scan.look import Look
-from perfqr_cad.scan.raster import warp
-from perfqr_cad.scan.scene import Scene
+from perfqr_cad.scan.camera.camera import Camera, View
+from perfqr_cad.scan.camera.look import Look
+from perfqr_cad.scan.camera.raster import warp
+from perfqr_cad.scan.camera.scene import Scene
 from perfqr_cad.symbol import Matrix
 
 MODULE_PX = 8
@@ -64,9 +64,9 @@ def legibility(
     """
     look = look or Look()
     n = len(matrix.dark)
-    if n * module_mm > scene.part.target.edge_mm * 1.001:
+    if n * module_mm > scene.part.code.edge_mm * 1.001:
         raise AnalysisError(
-            f"a symbol of {n * module_mm:.4g} mm does not fit a part of {scene.part.target.edge_mm:.4g} mm: "
+            f"a symbol of {n * module_mm:.4g} mm does not fit a part of {scene.part.code.edge_mm:.4g} mm: "
             "check the module size"
         )
     faces = [_seen(scene, n, module_mm, tilt_deg, azimuth, look) for azimuth in AZIMUTHS_DEG]
@@ -87,7 +87,7 @@ def _seen(
     step = module_mm / MODULE_PX
     first = (n * MODULE_PX - 1) / 2 * step
     to_plane = np.array([[step, 0, -first], [0, -step, first], [0, 0, 1.0]])
-    to_pixels = Camera(view, scene.part.target).homography(0.0) @ to_plane
+    to_pixels = Camera(view, scene.part.code).homography(0.0) @ to_plane
     size = (n * MODULE_PX, n * MODULE_PX)
     return warp(light, np.linalg.inv(to_pixels).astype(np.float64), size) / np.float32(look.light.on_front)
 

@@ -1,6 +1,7 @@
-"""Exact solids: a pattern carved into a wall of material, checked, meshed, written as STEP.
+"""Exact solids: a profile on a placement becomes a boundary, is proven, meshed and written as STEP.
 
-The modeller is heavy to load; names below that need it are imported on first use.
+`tables/` hold the boundary, `charts/` map the pattern into space, `kernel/` is the one room of the modeller.
+Nothing here chooses what is made: the profile does. Names that need the modeller are loaded on first use.
 """
 
 from __future__ import annotations
@@ -8,48 +9,27 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .shape import Solid
-from .walls import Walls
+from perfqr_cad.solid.shape import Solid
 
 if TYPE_CHECKING:
-    from .assemble import back, build, build_plan, build_region
-    from .backing import Backing
-    from .caption import Caption
-    from .imported.meshing import mesh_step
-    from .plan import Plan
-    from .step import write_step
-    from .step_reader import read_step
+    from perfqr_cad.solid.assemble import back, build, build_profile
+    from perfqr_cad.solid.step.reader import read_step
+    from perfqr_cad.solid.step.write import write_step
 
 _HOMES = {
-    "Backing": "backing",
-    "Caption": "caption",
-    "Plan": "plan",
     "back": "assemble",
     "build": "assemble",
-    "build_plan": "assemble",
-    "build_region": "assemble",
-    "mesh_step": "imported.meshing",
-    "read_step": "step_reader",
-    "write_step": "step",
+    "build_profile": "assemble",
+    "read_step": "step.reader",
+    "write_step": "step.write",
 }
 
-__all__ = [
-    "Backing",
-    "Caption",
-    "Plan",
-    "Solid",
-    "Walls",
-    "back",
-    "build",
-    "build_plan",
-    "build_region",
-    "mesh_step",
-    "read_step",
-    "write_step",
-]
+__all__ = ["Solid", "back", "build", "build_profile", "read_step", "write_step"]
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_HOMES[name]}", __name__), name)
+    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value

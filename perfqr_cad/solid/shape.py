@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The finished part: an exact boundary, what was measured on it, and its triangles."""
 
 from __future__ import annotations
@@ -8,18 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from perfqr_cad.surface import Triangles
-
-from .brep import Brep
+from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.triangles import Corner
+from perfqr_cad.profile.colour import LIGHT, Colour
+from perfqr_cad.solid.tables.brep import Brep
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Solid
-
-Corner = tuple[float, float, float]
-Colour = tuple[float, float, float]
-
-LIGHT: Colour = (0.92, 0.92, 0.90)  # sRGB of the part and, behind it, of the dark tone
-DARK: Colour = (0.05, 0.05, 0.06)
 
 
 @dataclass(frozen=True)
@@ -55,8 +48,8 @@ class Solid:
         """The boundary as tables."""
         if self.exact is None or isinstance(self.exact, Brep):
             return self.exact
-        from . import occ
-        from .survey import brep_of
+        from perfqr_cad.solid.kernel import occ
+        from perfqr_cad.solid.kernel.from_shape import brep_of
 
         with occ.kernel("reading the solid", "repair it in a CAD program"):
             return brep_of(self.exact)
@@ -66,6 +59,6 @@ class Solid:
         """The boundary as a shape of the modeller, made when it is first asked for."""
         if not isinstance(self.exact, Brep):
             return self.exact
-        from .kernel_shape import KernelShape
+        from perfqr_cad.solid.kernel.to_shape import KernelShape
 
         return KernelShape(self.exact).solid()

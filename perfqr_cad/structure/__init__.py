@@ -8,17 +8,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .loads import Finger, Hold, Load, Pressure, Support, Weight
-from .material_table import MATERIALS, Material, material
+from perfqr_cad.structure.loads import Finger, Hold, Load, Pressure, Support, Weight
+from perfqr_cad.structure.material_table import MATERIALS, Material, material
 
 if TYPE_CHECKING:
-    from .analysis import analyse, analyse_part
-    from .case import Case
-    from .part import Part
-    from .reinforcement.algorithm1 import reinforce
-    from .reinforcement.reinforced import Reinforcement
-    from .solid_check import SolidCheck, verify_solid
-    from .stress_field import StressField
+    from perfqr_cad.structure.analysis import analyse, analyse_part
+    from perfqr_cad.structure.case import Case
+    from perfqr_cad.structure.part import Part
+    from perfqr_cad.structure.reinforcement.algorithm1 import reinforce
+    from perfqr_cad.structure.reinforcement.reinforced import Reinforcement
+    from perfqr_cad.structure.solid_check import SolidCheck, verify_solid
+    from perfqr_cad.structure.stress_field import StressField
 
 __all__ = [
     "MATERIALS",

@@ -1,10 +1,14 @@
-"""Where the code lies: maps from the pattern plane onto walls of material."""
+"""Where the code lies: maps from the pattern plane onto walls of material, and how much they bend a module.
 
-from .cone import Cone
-from .heightfield import HeightField
-from .placement import Distortion, DistortionLimit, Placement, Triangles
-from .plane import Plane
-from .revolved import Cylinder, Revolution, Revolved, Sphere
+Formulas on arrays. No loops, no solids, no modeller: those lie on these maps in `solid/charts`.
+"""
+
+from perfqr_cad.geometry.triangles import Triangles
+from perfqr_cad.surface.cone import Cone
+from perfqr_cad.surface.heightfield import HeightField
+from perfqr_cad.surface.placement import Distortion, DistortionLimit, Placement
+from perfqr_cad.surface.plane import Plane
+from perfqr_cad.surface.revolved import Cylinder, Revolution, Revolved, Sphere
 
 __all__ = [
     "Cone",

@@ -9,7 +9,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from perfqr_cad import export
-from perfqr_cad.pattern import Arc, Bezier, Bridge, Circle, Line, Loop, Region
+from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop, Region
+from perfqr_cad.pattern import Bridge
 
 GOLDEN = Path(__file__).with_name("export")
 NAMES = ("part.svg", "part.scad")

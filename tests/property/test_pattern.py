@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from perfqr_cad.capture import Art
 from perfqr_cad.pattern import PatternSpec, build
-from perfqr_cad.scan import decoders
+from perfqr_cad.scan.decoding import decoders
 from perfqr_cad.symbol import Role, encode, layout
 
 slow = settings(max_examples=5, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
@@ -28,8 +28,8 @@ def assert_sound(pattern):
 
 def picture(pattern, px=6):
     """Grey picture of a pattern: material light, holes dark."""
-    u = pattern.draft.lattice.per_module
-    solid = pattern.draft.solid[:: max(1, u // px), :: max(1, u // px)]
+    u = pattern.canvas.lattice.per_module
+    solid = pattern.canvas.solid[:: max(1, u // px), :: max(1, u // px)]
     return np.where(solid, 255, 0).astype(np.uint8)
 
 

@@ -9,12 +9,14 @@ from build123d import export_step
 from OCP.BRepCheck import BRepCheck_Analyzer
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.outline import Circle, Loop, Region
+from perfqr_cad.hosts.step import ImportedFace
 from perfqr_cad.pattern import Pattern, PatternSpec, build
-from perfqr_cad.pattern.outline import Circle, Loop, Region
+from perfqr_cad.profile import Walls
 from perfqr_cad.scan import Look, Scene, View, place
-from perfqr_cad.scan.decoders import load
-from perfqr_cad.solid import Walls, occ, read_step, write_step
-from perfqr_cad.solid.imported import ImportedFace
+from perfqr_cad.scan.decoding.decoders import load
+from perfqr_cad.solid import read_step, write_step
+from perfqr_cad.solid.kernel import occ
 from perfqr_cad.symbol import encode
 
 from .hosts import CASES, Case
@@ -48,7 +50,9 @@ def holes(size_mm: float) -> Pattern:
 def test_a_part_takes_the_holes(name: str, tmp_path: Path) -> None:
     case = CASES[name]
     host = target(case, tmp_path)
-    part = host.solid(holes(case.size_mm), host.placement(case.size_mm), Walls(depth_mm=host.depth_mm))
+    part = host.solid(
+        holes(case.size_mm), host.placement(case.size_mm, case.depth_mm), Walls(depth_mm=case.depth_mm)
+    )
     assert part.valid
     assert part.triangles.closed
     assert BRepCheck_Analyzer(part.shape).IsValid()

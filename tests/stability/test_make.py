@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from perfqr_cad import make
-from perfqr_cad.design import Design
 from perfqr_cad.errors import PerfQRError
+from perfqr_cad.pipeline.design import Design
 
 SEEDS = range(6)
 

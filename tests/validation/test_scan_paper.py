@@ -13,7 +13,8 @@ from perfqr_cad.capture import Capture, read
 from perfqr_cad.pattern import PatternSpec, build
 from perfqr_cad.reproduce import stand_ins
 from perfqr_cad.reproduce.exhibits import handheld, rate
-from perfqr_cad.scan import FlatPrint, Look, Scene, drawn, printed
+from perfqr_cad.scan import FlatPrint, Look, Scene, printed
+from perfqr_cad.scan.camera.camera import drawn
 
 EINSTEIN = next(row for row in stand_ins.TABLE_1 if row.name == "Einstein")
 VIEWS = 3

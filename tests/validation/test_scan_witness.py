@@ -11,8 +11,8 @@ import pytest
 import trimesh
 from shapely.geometry import box
 
+from perfqr_cad.geometry import Triangles
 from perfqr_cad.scan import Light, Look, Optics, Scene, View, place
-from perfqr_cad.surface import Triangles
 
 REFLECTANCE = 0.85  # of the default look
 PATHS = 150  # a pixel; means over twenty pixels and more are compared

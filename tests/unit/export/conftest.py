@@ -11,8 +11,9 @@ import segno
 import shapely
 import shapely.affinity
 
-from perfqr_cad.pattern import Arc, Bezier, Bridge, Circle, Line, Loop, Region
-from perfqr_cad.surface import Cylinder, Placement, Plane, Triangles
+from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop, Region, Triangles
+from perfqr_cad.pattern import Bridge
+from perfqr_cad.surface import Cylinder, Placement, Plane
 
 IVORY, BLACK = (0.92, 0.92, 0.90), (0.05, 0.05, 0.06)
 BACKING_MM = 1.0

@@ -70,7 +70,7 @@ def test_mixed_loop_is_a_closed_chain(plate, tmp_path):
     """Lines and Béziers in one loop: polylines and splines that meet end to end."""
     from dataclasses import replace
 
-    from perfqr_cad.pattern import Bezier, Line, Loop, Region
+    from perfqr_cad.geometry import Bezier, Line, Loop, Region
 
     loop = Loop((Line((0, 0), (4, 0)), Bezier((4, 0), (5, 1), (5, 3), (4, 4)), Line((4, 4), (0, 0))))
     design = replace(plate, pattern=replace(plate.pattern, region=Region(loop), bridges=()))

@@ -10,7 +10,7 @@ import trimesh
 
 from perfqr_cad import export
 from perfqr_cad.export import stl
-from perfqr_cad.surface import Triangles
+from perfqr_cad.geometry import Triangles
 
 
 @pytest.fixture

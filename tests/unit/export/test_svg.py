@@ -11,8 +11,8 @@ import resvg_py
 from svgelements import SVG, Arc, CubicBezier, Move, Path
 
 from perfqr_cad.export import svg
-from perfqr_cad.pattern import Arc as PatternArc
-from perfqr_cad.pattern import Line, Loop
+from perfqr_cad.geometry import Arc as PatternArc
+from perfqr_cad.geometry import Line, Loop
 
 NS = {"svg": "http://www.w3.org/2000/svg"}
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from perfqr_cad.pattern.lattice import checkerboards, discs, opened
+from perfqr_cad.pattern.cells.lattice import checkerboards, discs, opened
 
 
 def test_openings_keep_what_the_tool_can_reach():

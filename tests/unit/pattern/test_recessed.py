@@ -6,10 +6,10 @@ import shapely
 
 from perfqr_cad.capture import Art
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.outline import Line
 from perfqr_cad.pattern import Bridge, PatternSpec, build
-from perfqr_cad.pattern.front import joined
-from perfqr_cad.pattern.outline import Line
-from perfqr_cad.pattern.rings import DARK_MM, LEAST_SLOT, SLOT
+from perfqr_cad.pattern.drawing.front import joined
+from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT, SLOT
 from perfqr_cad.symbol import encode
 
 RINGS = {1: 3, 2: 4, 6: 4, 7: 9}  # finders and alignment patterns
@@ -67,7 +67,7 @@ def test_dark_material_has_one_recessed_bar(version):
 @pytest.mark.parametrize("nozzle_mm", [0.2, 0.4])
 def test_only_bars_in_pinched_slots_may_be_a_nozzle_line_wide(nozzle_mm):
     pattern = made(nozzle_mm=nozzle_mm, size_mm=60.0, bar_width_mm=nozzle_mm)
-    cell = pattern.draft.lattice.cell_mm
+    cell = pattern.canvas.lattice.cell_mm
     lines = [bar.width_mm for bar in pattern.recessed if bar.pinched]
     assert nozzle_mm <= min(lines) <= max(lines) < nozzle_mm + 2 * cell
     webs = [bar.width_mm for bar in pattern.recessed if not bar.pinched]

@@ -5,8 +5,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from perfqr_cad.pattern.junctions import cheapest_without_loss
-from perfqr_cad.pattern.spanning import Conflict, Link, cheapest, cost, kruskal
+from perfqr_cad.pattern.joining.junctions import cheapest_without_loss
+from perfqr_cad.pattern.joining.spanning import Conflict, Link, cheapest, cost, kruskal
 
 
 def joined(links, chosen, islands):
@@ -83,7 +83,7 @@ def test_many_junctions_agree_with_the_integer_programme(seed):
 def test_more_junctions_than_are_tried_together_have_an_honest_bound(monkeypatch):
     pairs, trios = random_links(4, islands=9, stars=14)
     _, proof = cheapest_without_loss(pairs, trios)
-    monkeypatch.setattr("perfqr_cad.pattern.junctions.LARGEST_BLOCK", 2)
+    monkeypatch.setattr("perfqr_cad.pattern.joining.junctions.LARGEST_BLOCK", 2)
     chosen, rough = cheapest_without_loss(pairs, trios)
     assert joined([*pairs, *trios], chosen, 9)
     assert rough.bound <= proof.objective <= rough.objective

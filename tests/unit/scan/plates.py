@@ -6,7 +6,7 @@ import trimesh
 from shapely.geometry import box
 from shapely.ops import unary_union
 
-from perfqr_cad.surface import Triangles
+from perfqr_cad.geometry import Triangles
 
 
 def modules(text: str, version: int = 5, level: str = "m") -> np.ndarray:

@@ -8,8 +8,8 @@ import pytest
 import segno
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.scan import decoders
-from perfqr_cad.scan.panel import Panel, Worker
+from perfqr_cad.scan.decoding import decoders
+from perfqr_cad.scan.decoding.panel import Panel, Worker
 
 TEXT = "https://example.com/p/1234567"
 

@@ -7,10 +7,10 @@ import pytest
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.scan import Look, Optics, View
-from perfqr_cad.scan.camera import Camera, facing_up
+from perfqr_cad.scan.camera.camera import Camera, facing_up
+from perfqr_cad.scan.camera.layers import Shot
+from perfqr_cad.scan.camera.photo import EXPOSURE, develop, develop_colour
 from perfqr_cad.scan.colours import BACKGROUNDS, contrast, contrast_warning
-from perfqr_cad.scan.photo import EXPOSURE, develop, develop_colour
-from perfqr_cad.scan.plate import Shot
 
 CLEAN = Optics(defocus_px=0, noise=0, jpeg_quality=None)
 

@@ -19,7 +19,7 @@ from OCP.Geom import (
 from OCP.GeomConvert import GeomConvert
 from OCP.gp import gp_Ax1, gp_Ax2, gp_Ax3, gp_Dir, gp_Pnt, gp_Vec
 
-from perfqr_cad.solid.evaluate import FIRST, SECOND, evaluator
+from perfqr_cad.solid.kernel.evaluate import FIRST, SECOND, evaluator
 
 FRAME = gp_Ax3(gp_Pnt(1, 2, 3), gp_Dir(1, 1, 2), gp_Dir(1, -1, 0.3))
 MIRRORED = gp_Ax3(FRAME.Ax2())

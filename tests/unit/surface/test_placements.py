@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry import Triangles
 from perfqr_cad.surface import (
     Cone,
     Cylinder,
@@ -17,7 +18,6 @@ from perfqr_cad.surface import (
     Plane,
     Revolution,
     Sphere,
-    Triangles,
 )
 from perfqr_cad.surface.placement import square
 

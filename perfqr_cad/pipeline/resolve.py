@@ -1,0 +1,221 @@
+"""A request in each layer's own terms: resolved once, before any long step."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from perfqr_cad.errors import DesignError
+from perfqr_cad.pipeline.request import Request
+from perfqr_cad.units import linear_from_srgb, srgb_from_linear
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import PatternSpec
+    from perfqr_cad.profile import Backing, Caption, Walls
+    from perfqr_cad.profile.colour import Colour
+    from perfqr_cad.scan import Look, Schedule
+    from perfqr_cad.scan.camera.look import RGB
+    from perfqr_cad.structure import Case, Load
+    from perfqr_cad.structure.reinforcement.algorithm1 import Method
+
+# Walls of plates: they hide the least from aside, and printers still bear the overhang (docs/scan.md).
+DRAFT_DEG, LIP_MM = 15.0, 0.2
+LEAST_FLARED_MM = 4 * LIP_MM  # thinner sheets are cut, not printed, and hide little
+LAYER_SHARE = 0.75  # of its diameter: the thickest layer that a nozzle lays well
+CAPTION_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
+
+
+@dataclass(frozen=True)
+class Terms:
+    """One value for each layer.
+
+    request   as it was asked, with the walls that it left open filled in
+    drawing   for `pattern`
+    walls     of the holes, for `profile` and `solid`
+    case      for `structure`; how far the walls flare is known once the part has a thickness: `case_in`
+    views, look   for `scan`
+    caption, backing, colour   what is written on the part, lies behind it, and the part's own colour in files
+    """
+
+    request: Request
+    drawing: PatternSpec
+    walls: Walls
+    case: Case
+    views: Schedule
+    look: Look
+    caption: Caption | None
+    backing: Backing | None
+    colour: Colour
+
+    @property
+    def method(self) -> Method:
+        """How bridges for strength are chosen."""
+        return self.request.method  # pyright: ignore[reportReturnType]  # `reinforce` refuses unknown names
+
+    def case_in(self, thickness_mm: float) -> Case:
+        """The strength case in a wall of that thickness, whose holes are wider at the back."""
+        return replace(self.case, flare_mm=self.walls.flare_mm(self.walls.reach_mm(thickness_mm)))
+
+
+def resolve(request: Request, *, plate: bool) -> Terms:
+    """The terms of a request. On a plate with through-holes, walls that it leaves open flare for the reader;
+    elsewhere they are straight.
+
+    Raises `DesignError` for walls, captions, colours and names that cannot be meant.
+    """
+    flares = plate and request.depth_mm is None and request.thickness_mm >= LEAST_FLARED_MM
+    draft_deg, lip_mm = (DRAFT_DEG, LIP_MM) if flares and request.draft_deg is None else (0.0, 0.0)
+    filled = replace(
+        request,
+        draft_deg=draft_deg if request.draft_deg is None else request.draft_deg,
+        lip_mm=lip_mm if request.lip_mm is None else request.lip_mm,
+    )
+    return resolved(filled, or_straight=request.draft_deg is None)
+
+
+def resolved(request: Request, *, or_straight: bool) -> Terms:
+    """The terms of a request that says how its walls run; `or_straight`: walls that can flare nowhere may be
+    straight instead."""
+    from perfqr_cad.profile import Walls
+
+    return Terms(
+        request=request,
+        drawing=_drawing(request),
+        walls=Walls(request.draft_deg or 0.0, request.lip_mm or 0.0, request.depth_mm, or_straight),
+        case=_case(request),
+        views=_views(request),
+        look=_look(request),
+        caption=_caption(request),
+        backing=_backing(request),
+        colour=_part_colour(request),
+    )
+
+
+def _drawing(request: Request) -> PatternSpec:
+    """What the pattern is asked to be."""
+    from perfqr_cad.pattern import Hole, PatternSpec, Surround
+
+    # The smaller the bars, the further from aside zxing-cpp reads the part: docs/scan.md.
+    bars = {}
+    if request.scan_tilt_deg:
+        bars = {"bar_width_mm": request.nozzle_mm, "bar_height_mm": LAYER_SHARE * request.nozzle_mm}
+    return PatternSpec(
+        size_mm=request.size_mm,
+        quiet_modules=request.quiet_modules,
+        nozzle_mm=request.nozzle_mm,
+        style=request.style,  # pyright: ignore[reportArgumentType]  # PatternSpec refuses unknown names
+        fillet_mm=request.fillet_mm,
+        finder=request.finder,  # pyright: ignore[reportArgumentType]
+        **bars,
+        objective=request.objective,  # pyright: ignore[reportArgumentType]
+        contour=request.contour,  # pyright: ignore[reportArgumentType]
+        tone=request.tone,  # pyright: ignore[reportArgumentType]
+        surround=Surround(
+            frame_mm=request.frame_mm,
+            corner_radius_mm=request.corner_radius_mm,
+            holes=tuple(Hole(*hole) for hole in request.hole_mm if len(hole) > 1),
+            corner_hole_mm=next((hole[0] for hole in request.hole_mm if len(hole) == 1), None),
+        ),
+        seed=request.seed,
+    )
+
+
+def _caption(request: Request) -> Caption | None:
+    """What is written on the frame."""
+    from perfqr_cad.profile import Caption
+
+    if not request.caption:
+        return None
+    height = request.caption_height_mm or CAPTION_SHARE * request.frame_mm
+    if not height:
+        raise DesignError(f"the caption {request.caption!r} needs a frame to stand on: give --frame 8, say")
+    return Caption(request.caption, height, request.caption_relief_mm)
+
+
+def _backing(request: Request) -> Backing | None:
+    """The plate behind, in the tone that the holes are to have."""
+    from perfqr_cad.profile import Backing
+    from perfqr_cad.profile.colour import DARK, LIGHT
+
+    if request.backing_mm is None:
+        return None
+    plain = LIGHT if request.tone == "inverted" else DARK
+    colour = plain if request.ground is None else _srgb(_colours(request)[1])
+    return Backing(request.backing_mm, request.gap_mm, colour)
+
+
+def _loads(request: Request) -> tuple[Load, ...]:
+    """What pushes on the part, all at once."""
+    from perfqr_cad.structure import Finger, Pressure, Weight
+
+    finger = (Finger(request.finger_n),) if request.finger_n else ()
+    weight = (Weight(),) if request.own_weight else ()
+    return (Pressure(request.pressure_mpa), *finger, *weight)
+
+
+def _case(request: Request) -> Case:
+    """What the part is asked to bear, its holes wider at the back by a flare on each side."""
+    from perfqr_cad.structure import Case
+
+    return Case.of(
+        _loads(request),
+        material=request.material,
+        support=request.support,
+        nozzle_mm=request.nozzle_mm,
+        yield_mpa=request.yield_mpa,
+    )
+
+
+def _views(request: Request) -> Schedule:
+    """The quick views; with a tilt that is asked for, as many sides and frames as in the full certificate."""
+    from perfqr_cad.scan import FULL, QUICK
+
+    if request.scan_tilt_deg is None:
+        return QUICK
+    return replace(FULL, tilts_deg=tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg})), backgrounds=())
+
+
+def _look(request: Request) -> Look:
+    """Colours of the part and of the ground behind it, which a backing brings near."""
+    from perfqr_cad.scan import Look
+
+    gap = Look.gap_mm if request.backing_mm is None else request.gap_mm
+    material, ground = _colours(request)
+    return Look(material=material, ground=ground, gap_mm=gap)
+
+
+def _part_colour(request: Request) -> Colour:
+    """sRGB of the part as files show it."""
+    from perfqr_cad.profile.colour import DARK, LIGHT
+
+    if request.colour is None:
+        return DARK if request.tone == "inverted" else LIGHT
+    return _srgb(_colours(request)[0])
+
+
+def _colours(request: Request) -> tuple[RGB, RGB]:
+    """Linear reflectances of part and ground."""
+    from perfqr_cad.scan.colours import BACKGROUNDS, FILAMENTS
+
+    part, ground = ("black", "white") if request.tone == "inverted" else ("white", "black")
+    return (
+        _reflectance("colour", request.colour or part, FILAMENTS),
+        _reflectance("ground", request.ground or ground, {"white": FILAMENTS["white"], **BACKGROUNDS}),
+    )
+
+
+def _reflectance(setting: str, colour: str, named: Mapping[str, RGB]) -> RGB:
+    """A named colour's reflectances, or those of #rrggbb."""
+    if colour in named:
+        return named[colour]
+    if not re.fullmatch("#[0-9a-fA-F]{6}", colour):
+        raise DesignError(f"{setting} {colour!r} is unknown: use #rrggbb or one of {', '.join(named)}")
+    red, green, blue = linear_from_srgb([byte / 255 for byte in bytes.fromhex(colour[1:])]).tolist()
+    return red, green, blue
+
+
+def _srgb(reflectance: RGB) -> Colour:
+    red, green, blue = srgb_from_linear(reflectance).tolist()
+    return red, green, blue

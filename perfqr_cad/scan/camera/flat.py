@@ -1,0 +1,52 @@
+"""The flat print of a code: what a decoder can do at best with it, from the same views."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perfqr_cad.scan.camera import layers, photo
+from perfqr_cad.scan.camera.camera import Camera, View, facing_up
+from perfqr_cad.scan.camera.look import Look
+from perfqr_cad.scan.camera.skylight import Brightness
+from perfqr_cad.scan.camera.stack import Stack
+
+LEAST_PX = 720  # edge of the printed picture: finer than the camera sees it
+
+
+@dataclass(frozen=True)
+class FlatPrint:
+    """Ink on paper: `light` (k, k) bool with the quiet zone; bright as the material, else as the ground."""
+
+    light: NDArray[np.bool_]
+    edge_mm: float
+
+    def prepare(self, look: Look) -> None:
+        """Nothing has to be worked out before a flat print is filmed."""
+
+    def photo(self, view: View, look: Look | None = None, *, seed: int = 0) -> NDArray[np.uint8]:
+        """Gray picture (H, W) uint8, by the same camera as the part's."""
+        look = look or Look()
+        front = look.light.on_front
+        camera = Camera(view, facing_up((0.0, 0.0, 0.0), self.edge_mm))
+        shot = layers.shoot(
+            self._stack(), _evenly_lit(front), camera, gap_mm=0.0, front=front, least_web_mm=1.0
+        )
+        return photo.develop(shot, look, front=front, seed=seed)
+
+    def _stack(self) -> Stack:
+        repeat = -(-LEAST_PX // len(self.light))
+        picture = np.kron(self.light, np.ones((repeat, repeat), bool)) * np.uint8(255)
+        return Stack((picture,), np.zeros(1), self.edge_mm)
+
+
+def printed(dark: NDArray[np.bool_], edge_mm: float, *, quiet_modules: int = 4, scale: int = 1) -> FlatPrint:
+    """The print of a symbol, or of its art at `scale` samples a module; `edge_mm` with the quiet zone."""
+    return FlatPrint(np.pad(~dark, quiet_modules * scale, constant_values=True), edge_mm)
+
+
+def _evenly_lit(front: float) -> Brightness:
+    even = np.full((1, 1), front, np.float32)
+    return Brightness(even[None], even, ())
