@@ -27,6 +27,7 @@ class Case:
     yield_mpa   None: the material's own
     safety      factor between what stress may reach and what it is allowed
     knock_down  share of the yield stress that is left to the part
+    strengthen  whether bridges are added where the part is too weak
     solver      "CHOLMOD", "SuperLU" or None for the best one installed
 
     Raises `AnalysisError` for a nozzle or yield stress that is no positive number.
@@ -46,6 +47,7 @@ class Case:
     handling: tuple[HandlingLoad, ...] = ()
     safety: float = 1.0
     knock_down: float = 1.0
+    strengthen: bool = True
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.nozzle_mm) and self.nozzle_mm > 0.0):
@@ -93,14 +95,21 @@ class Case:
         """The stress that the part may reach under a load."""
         return self.limit_mpa * (self.material.knock_downs.creep if load.stays else 1.0)
 
-    def for_hands(self, loads: tuple[HandlingLoad, ...], *, upright: bool, safety: float = SAFETY) -> Case:
+    def for_hands(
+        self,
+        loads: tuple[HandlingLoad, ...],
+        *,
+        upright: bool,
+        safety: float = SAFETY,
+        strengthen: bool = True,
+    ) -> Case:
         """The case of a part in the hand, with the deductions of its process.
 
         `upright` says that its walls are printed across their layers.
         """
         shares = self.material.knock_downs
         knock_down = shares.notch * shares.scatter * (shares.layers if upright else 1.0)
-        return replace(self, handling=loads, safety=safety, knock_down=knock_down)
+        return replace(self, handling=loads, safety=safety, knock_down=knock_down, strengthen=strengthen)
 
     @property
     def bends_only(self) -> bool:

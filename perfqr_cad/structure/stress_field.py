@@ -47,6 +47,9 @@ class StressField:
     balance: float
     material: str
     support: str
+    e_mpa: float
+    nu: float
+    kappa: float
     thickness_mm: float
     edge_mm: float
     unknowns: int

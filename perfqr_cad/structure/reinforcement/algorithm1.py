@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge, Pattern
 
 Method = Literal["optimal", "paper"]
-WEAK = "weak: no affordable bridge is left"
+NO_BRIDGE = "no affordable bridge is left"
 LEAST_SHARE = 0.6  # of the largest stress: loads that stress a part less are left to the next round
 MOST_CONFIRMED, MOST_CONFIRMED_IN_HAND = 40, 2  # conforming meshes in all
 MOST_FRUITLESS = 2  # conforming meshes in a row that are no better than one before
@@ -154,15 +154,24 @@ def _run(pattern: Pattern, job: _Job, chooser: Chooser, method: Method) -> Reinf
     history = [best.use * limit]
     fruitless = 0
     most = MOST_CONFIRMED_IN_HAND if job.case.handling else MOST_CONFIRMED
-    while best.use > 1.0 and fruitless < MOST_FRUITLESS and len(stages) <= most:
+    stopped = "nothing was asked for: bridges are added for loads that are named"
+    while job.case.strengthen and best.use > 1.0:
+        if fruitless == MOST_FRUITLESS:
+            stopped = f"the last {fruitless} sets of bridges took off less than {ROUND_GAIN:.0%}"
+            break
+        if len(stages) > most:
+            stopped = f"{most} sets of bridges were tried"
+            break
         start = best if method == "optimal" else stages[-1]
         analysis = job.reanalysis(start)
         if not analysis.loads:
+            stopped = NO_BRIDGE
             break
         # The coarse model understates the peak: what it may show is the limit, understated as much.
         scale = analysis.largest / (start.use * limit)
         bridged, new, stresses = chooser.add_bridges(start.pattern, analysis, scale * limit)
         if not new:
+            stopped = NO_BRIDGE
             break
         stages.append(_Stage(bridged, job.assess(bridged), (*start.bridges, *new)))
         history += [*(stress / scale for stress in stresses), stages[-1].use * limit]
@@ -182,7 +191,7 @@ def _run(pattern: Pattern, job: _Job, chooser: Chooser, method: Method) -> Reinf
         bridges=best.bridges,
         iterations=len(best.bridges),
         confirmations=len(stages) - 1,
-        status=STRONG if strong else WEAK,
+        status=STRONG if strong else f"weak: {_why(best, job.case, stopped)}",
         history=tuple(history),
         method=method,
         limit_mpa=limit,
@@ -211,6 +220,16 @@ class _Stage:
         if not answers:
             return self.assessment.field.max_stress_at_mm
         return max(answers, key=lambda one: one.use).stressed_at_mm
+
+
+def _why(stage: _Stage, case: Case, stopped: str) -> str:
+    """What is too weak, and what stopped the strengthening of it."""
+    if not stage.assessment.capacities:
+        return stopped
+    least = stage.assessment.capacities[0]
+    if case.strengthen and stage.use <= 1.0:
+        stopped = "rings hang on their own bars, which no bridge may help"
+    return f"bears {least.words}, asked {least.asked_n:.2g} N, and breaks {least.breaks}; {stopped}"
 
 
 def _ends_at(part: ThinPart, field: StressField) -> bool:
