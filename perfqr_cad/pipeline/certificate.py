@@ -197,7 +197,6 @@ def _structure(design: Finished) -> dict[str, Any]:
         "balance": stress.balance,
         "max_stress_mpa": stress.max_stress_mpa,
         "max_stress_at_mm": list(stress.max_stress_at_mm),
-        "taper_factor": stress.taper.stress,
         "sharp_peak_mpa": stress.sharp_peak_mpa,
         "yield_mpa": stress.yield_mpa,
         "limit_mpa": stress.limit_mpa,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from perfqr_cad.structure.analysis import EDGE_MODULES, MOST_UNKNOWNS, analyse, field_of, prepare, taper_of
+from perfqr_cad.structure.analysis import EDGE_MODULES, MOST_UNKNOWNS, analyse, field_of, prepare
 from perfqr_cad.structure.case import Case
 from perfqr_cad.structure.handling.capacity import Capacity, Hand, Way, ways_of
 from perfqr_cad.structure.handling.fingertips import worst_fingertips
@@ -92,7 +92,7 @@ def assess(
     ways = _compared(pattern, search)
     size = MeshSize.graded(edge_mm or EDGE_MODULES * pattern.module_mm, case.nozzle_mm)
     model = prepare(part, case, size, tile_meshes, MOST_UNKNOWNS if edge_mm is None else None)
-    hand = Hand(model, model.factorise(case.solver), case, taper_of(part, case))
+    hand = Hand(model, model.factorise(case.solver), case)
     forces, moved = hand.solve(ways)
     answers = [hand.answer(way, moved[:, k]).located(pattern) for k, way in enumerate(ways)]
     worst = int(np.argmax([one.use for one in answers]))
@@ -108,10 +108,11 @@ def assess(
 def _field(hand: Hand, way: Way, answer: Capacity, forces: Floats, moved: Floats) -> StressField:
     """The stress field under what is asked of a way, deflections against what the hand holds."""
     asked = answer.asked_n
-    found = field_of(hand.model, asked * moved, asked * forces, hand.case, hand.taper, hand.factor.name)
+    found = field_of(hand.model, asked * moved, asked * forces, hand.case, hand.factor.name)
     return replace(
         found,
         limit_mpa=answer.limit_mpa,
+        max_stress_mpa=answer.stress_mpa,
         deflection_mm=asked * hand.deflection(way.push, moved),
         max_deflection_mm=answer.deflection_mm,
     )
@@ -121,7 +122,7 @@ def _search(pattern: Pattern, part: Part, case: Case) -> Search:
     """The worst ways of each load on a coarse model."""
     size = MeshSize.even(SEARCH_EDGE_MODULES * pattern.module_mm, case.nozzle_mm)
     model = prepare(part, case, size)
-    hand = Hand(model, model.factorise(case.solver), case, taper_of(part, case))
+    hand = Hand(model, model.factorise(case.solver), case)
     found: list[Way] = []
     for load in hand.loads:
         if load.name == "fingertip":

@@ -21,9 +21,10 @@ from perfqr_cad.structure.elements.solvers import Factor
 from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Hold, Load, Pressure, Support, Weight
 from perfqr_cad.structure.material_table import Material
 from perfqr_cad.structure.measure import von_mises
-from perfqr_cad.structure.mesh.tiled_mesh import TiledMesh
+from perfqr_cad.structure.mesh.tiled_mesh import TileBlock, TiledMesh
 from perfqr_cad.structure.mesh.triangle import SIX_POINTS, SIX_WEIGHTS, Floats, Ints, Mesh
 from perfqr_cad.structure.supports import held_nodes, pins
+from perfqr_cad.structure.taper import webs
 from perfqr_cad.surface import Placement
 
 KAPPA = 1.0  # shear correction: see docs/strength.md; 5/6 misses the solid by 3-7 % on perforated plates
@@ -152,9 +153,8 @@ class Model:
     def alone(self, elements: Ints) -> Model:
         """Some elements cut loose from each other: six nodes to each, and a motion of one moves no other."""
         nodes = self.mesh.elements[elements].ravel()
-        thickness = np.broadcast_to(self.section.thickness_mm, len(self.mesh.elements))[elements]
         mesh = Mesh(self.mesh.nodes[nodes], np.arange(len(nodes)).reshape(-1, 6), len(nodes))
-        section = replace(self.section, thickness_mm=thickness)
+        section = self.section.of(elements)
         positions, frames = self.positions[nodes], self.frames[nodes]
         return replace(self, mesh=mesh, section=section, positions=positions, frames=frames)
 
@@ -178,14 +178,16 @@ def build_model(
     edge_mm: float,
     flat: bool,
     thicknesses_mm: tuple[float, ...] = (),
+    web_mm: float | None = None,
 ) -> Model:
     """Element matrices and supports of a meshed region on the middle surface of a placement.
 
-    `thicknesses_mm` are those of the classes of material, () for the wall's alone.
+    `thicknesses_mm` are those of the classes of material, () for the wall's alone; `web_mm` is the least web,
+    None for walls that do not flare.
     """
     mesh, wall = tiled.mesh, placement.thickness_mm
     of_class = np.array(thicknesses_mm or (wall,))
-    section = Section(of_class[tiled.classes], case.material.e_mpa, case.material.nu, KAPPA)
+    section = _section(mesh, domain, of_class[tiled.classes], case, web_mm)
     positions = placement.at_depth(mesh.nodes, 0.5 * wall)
     frames = placement.frame(mesh.nodes)
     dofs = plate.DOFS if flat else shell.DOFS
@@ -197,17 +199,51 @@ def build_model(
             fixed[:, plate.BX if flat else shell.ROTATIONS.start :] = False
     system: Structure
     if flat:
+        blocks, rows = _alike(tiled, section)
         matrices = tuple(
-            plate.stiffness(tile_mesh.mesh, replace(section, thickness_mm=of_class[tile_mesh.classes]))
-            for tile_mesh in (block.tile_mesh for block in tiled.blocks)
+            plate.stiffness(block.tile_mesh.mesh, section.of(row))
+            for block, row in zip(blocks, rows, strict=True)
         )
-        system = TiledStructure(tiled.blocks, matrices, dofs, fixed.ravel())
+        system = TiledStructure(tuple(blocks), matrices, dofs, fixed.ravel())
     else:
         matrices = shell.stiffness(positions, frames, mesh.elements, section)
         system = System(mesh.elements, dofs, matrices, fixed.ravel())
     return Model(
         mesh, domain, wall, section, case.material, case.support, positions, frames, flat, system, edge_mm
     )
+
+
+def _section(mesh: Mesh, domain: Polygon, thickness_mm: Floats, case: Case, web_mm: float | None) -> Section:
+    """Thickness and what flaring walls leave of each element, by the width of its web in front."""
+    bending, area, stress = np.ones((3, len(thickness_mm)))
+    if case.flare_mm and web_mm is not None:
+        centres = mesh.nodes[mesh.elements[:, :3]].mean(axis=1)
+        for one in webs(domain, centres, web_mm, case.flare_mm):
+            bending[one.elements] = 1.0 / one.taper.deflection
+            area[one.elements] = one.taper.area
+            stress[one.elements] = one.taper.stress / one.taper.deflection
+        recessed = thickness_mm < thickness_mm.max()  # bars there do not flare
+        bending[recessed], area[recessed], stress[recessed] = 1.0, 1.0, 1.0
+    material = case.material
+    return Section(thickness_mm, material.e_mpa, material.nu, KAPPA, bending, area, stress)
+
+
+def _alike(tiled: TiledMesh, section: Section) -> tuple[list[TileBlock], list[Ints]]:
+    """Blocks of tiles whose elements have the same sections too, and the elements of one tile of each."""
+    blocks: list[TileBlock] = []
+    rows: list[Ints] = []
+    start = 0
+    for block in tiled.blocks:
+        tiles, each = len(block.nodes), len(block.tile_mesh.elements)
+        number = start + np.arange(tiles * each).reshape(tiles, each)
+        shares = np.asarray(section.bending_share)[number]
+        _, group = np.unique(shares, axis=0, return_inverse=True)
+        for one in range(int(group.max()) + 1):
+            alike = np.flatnonzero(group.reshape(-1) == one)
+            blocks.append(TileBlock(block.tile_mesh, block.nodes[alike]))
+            rows.append(number[alike[0]])
+        start += tiles * each
+    return blocks, rows
 
 
 def forces_of(model: Model, loads: tuple[Load, ...], factor: Factor) -> Floats:

@@ -10,7 +10,6 @@ import numpy as np
 
 from perfqr_cad.structure.measure import Discs
 from perfqr_cad.structure.mesh.triangle import EDGES, Floats, Ints, Mesh
-from perfqr_cad.structure.taper import STRAIGHT, Taper
 
 
 @dataclass(frozen=True)
@@ -25,7 +24,6 @@ class StressField:
     `disc_width_mm`: the figure to compare with the yield stress. `sharp_peak_mpa` is the largest at any node
     without averaging; it grows with every refinement and is given as what not to use.
     `limit_mpa` is what is allowed of `yield_mpa`.
-    `taper` is the factor for walls that flare; stresses and displacements have it in them, as upper bounds.
     `balance` is the unbalanced part of load and reactions over the load.
     """
 
@@ -54,7 +52,6 @@ class StressField:
     edge_mm: float
     unknowns: int
     solver: str
-    taper: Taper = STRAIGHT
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

@@ -52,6 +52,7 @@ def stiffness(positions: Floats, frames: Floats, elements: Ints, section: Sectio
             rows.append(drill * twist * np.sqrt(weight * area)[:, None, None])
         stacked = np.concatenate(rows, axis=1)
         np.matmul(stacked.transpose(0, 2, 1), stacked, out=out[part])
+    out *= np.broadcast_to(section.bending_share, len(elements))[:, None, None]
     return out
 
 
@@ -170,7 +171,7 @@ def centre_operator(positions: Floats, frames: Floats, elements: Ints, section: 
     for zeta in (-1.0, 1.0):
         strain, _, _ = strain_matrix(x, n, CENTRE[0], zeta, thickness, axis)
         strain[:, 3:] = 0.0  # faces carry no transverse shear
-        faces.append(c @ strain)
+        faces.append(np.broadcast_to(section.stress_share, len(elements))[:, None, None] * (c @ strain))
     return faces
 
 
@@ -198,4 +199,5 @@ def stresses(
         at_gauss[:, :, 1, 3:] *= 1.5
         at_gauss[:, :, (0, 2), 3:] = 0.0
         out[part] = np.einsum("ng,mgla->mnla", FROM_GAUSS_TO_CORNERS, at_gauss)
+    out *= np.broadcast_to(section.stress_share, len(elements))[:, None, None, None]
     return out
