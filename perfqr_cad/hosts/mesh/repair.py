@@ -51,6 +51,7 @@ def mend(mesh: Triangles, part: int | None = None) -> Mended:
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     welded, _ = weld(mesh.vertices, mesh.faces, WELD_SHARE * diagonal)
     faces, duplicates = _without_doubles(welded)
+    _require_triangles(faces)
     _refuse_branches(faces)
     vertices, faces, gaps = _filled(welded.vertices, faces, FILL_SHARE * diagonal)
     _refuse_branches(faces)
@@ -70,6 +71,12 @@ def _without_doubles(mesh: Triangles) -> tuple[Index, int]:
     """Triangles with distinct corner sets."""
     _, first = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True)
     return mesh.faces[np.sort(first)], len(mesh.faces) - len(first)
+
+
+def _require_triangles(faces: Index) -> None:
+    """Raises `KernelError` where none are left."""
+    if not len(faces):
+        raise KernelError("the mesh encloses no volume: export a body, not flat sheets")
 
 
 def _rims(faces: Index) -> Index:
@@ -157,6 +164,7 @@ def _consistent(faces: Index) -> Index:
 
 def _bodies(mesh: Triangles) -> tuple[list[Triangles], int]:
     """Closed bodies, greatest first, each with the cavities inside it; and how much dust was swept away."""
+    _require_triangles(mesh.faces)
     edges = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     # Every edge has two triangles by now. Surfaces that share a mere vertex stay apart.
     pairs = np.lexsort(edges.T).reshape(-1, 2) // 3
