@@ -21,8 +21,11 @@ from perfqr_cad.errors import (
 
 if TYPE_CHECKING:
     from perfqr_cad.capture import read
+    from perfqr_cad.catalog.settings import settings
     from perfqr_cad.frontends import PerforatedQR
-    from perfqr_cad.pipeline.design import Design, Request, make
+    from perfqr_cad.pipeline.chain import make
+    from perfqr_cad.pipeline.design import Design
+    from perfqr_cad.pipeline.request import Request
 
 __version__ = "0.1.0"
 
@@ -39,15 +42,17 @@ __all__ = [
     "TemplateError",
     "make",
     "read",
+    "settings",
 ]
 
 # Names that pull in numerical libraries are loaded on first use, so that importing the package is instant.
 _LAZY = {
     "Design": "perfqr_cad.pipeline.design",
     "PerforatedQR": "perfqr_cad.frontends",
-    "Request": "perfqr_cad.pipeline.design",
-    "make": "perfqr_cad.pipeline.design",
+    "Request": "perfqr_cad.pipeline.request",
+    "make": "perfqr_cad.pipeline.chain",
     "read": "perfqr_cad.capture",
+    "settings": "perfqr_cad.catalog.settings",
 }
 
 

@@ -1,5 +1,5 @@
 """`python -m perfqr_cad` is the command `perfqr`."""
 
-from perfqr_cad.cli import main
+from perfqr_cad.cli import entry
 
-main()
+entry()

@@ -10,17 +10,15 @@ import contextlib
 import json
 import sys
 from collections.abc import Generator
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from perfqr_cad import __version__
-from perfqr_cad.errors import DesignError, PerfQRError
+from perfqr_cad import __version__, options, scratch, supervised
+from perfqr_cad.errors import DesignError, NotHeldError, PerfQRError
 
 if TYPE_CHECKING:
-    from perfqr_cad.catalog.templates import Value
     from perfqr_cad.table import Table
 
 app = typer.Typer(
@@ -32,24 +30,8 @@ app = typer.Typer(
 )
 
 BENCHMARKS = ("symbol", "capture", "pattern", "finder", "margin", "structure", "solid", "scan", "spine")
-BAD_INPUT, INTERRUPTED = 2, 130  # exit codes; 130 is the shell's own for an interrupt
-# What `make` itself uses.
-NOT_OF_TEMPLATES = {
-    "output",
-    "template",
-    "define",
-    "set_file",
-    "set_name",
-    "as_json",
-}
+BAD_INPUT, NOT_HELD, INTERRUPTED = 2, 3, 130  # exit codes; 130 is the shell's own for an interrupt
 EXPERIMENTS = ("table1", "table2", "fig9", "fig11", "fig14", "colours", "materials", "limits", "bunny")
-
-
-class _Level(StrEnum):
-    L = "L"
-    M = "M"
-    Q = "Q"
-    H = "H"
 
 
 def _option(*names: str, help: str) -> Any:
@@ -60,97 +42,47 @@ _Json = Annotated[bool, _option("--json", help="Print JSON on standard output.")
 _TemplateName = Annotated[str, typer.Argument(help="A template's name or a .py file.")]
 
 
-# Each common setting is one long option here and the parameter of the same name in a template.
-@app.command()
+@app.command(cls=options.Grouped)
+@options.with_settings
 def make(
     context: typer.Context,
-    text: Annotated[str | None, typer.Argument(help="The text of the code.")] = None,
-    image: Annotated[Path | None, _option(help="A picture of a code, instead of a text.")] = None,
+    payload: Annotated[str | None, typer.Argument(metavar="TEXT", help="The text of the code.")] = None,
     output: Annotated[
         list[str] | None, _option("-o", "--output", help="FILE (suffix = format) or FOLDER/ (all). Repeats.")
     ] = None,
     template: Annotated[str, _option("-t", "--template", help="A template or a .py file.")] = "plate",
-    define: Annotated[list[str] | None, _option("-D", help="Set a parameter: name=value.")] = None,
+    define: Annotated[list[str] | None, _option("-D", help="Set a parameter: name=value. Repeats.")] = None,
     set_file: Annotated[Path | None, _option("-p", help="OpenSCAD parameter sets (JSON).")] = None,
     set_name: Annotated[str | None, _option("-P", help="The parameter set to take from -p.")] = None,
-    size: Annotated[float | None, _option(help="Edge with the quiet zone, mm.")] = None,
-    thickness: Annotated[float | None, _option(help="Thickness, mm.")] = None,
-    nozzle: Annotated[float | None, _option(help="Nozzle or kerf width, mm.")] = None,
-    level: Annotated[_Level | None, _option(help="Error correction level.")] = None,
-    version: Annotated[int | None, _option(help="Symbol version, 1-40.")] = None,
-    pressure: Annotated[float | None, _option(help="Pressure on the part, MPa.")] = None,
-    finger: Annotated[float | None, _option(help="A fingertip's force at the worst place, N.")] = None,
-    own_weight: Annotated[
-        bool, _option("--own-weight", help="The part lies flat, held by its supports.")
-    ] = False,
-    support: Annotated[str | None, _option(help="clamped, simple, two-sides or corners.")] = None,
-    verify_solid: Annotated[
-        bool, _option("--verify-solid", help="Check the strength once more in three dimensions.")
-    ] = False,
-    yield_: Annotated[float | None, _option("--yield", help="Yield stress, MPa.")] = None,
-    material: Annotated[str | None, _option(help="PLA, PETG, steel, ...: see params.")] = None,
-    draft: Annotated[float | None, _option(help="Flare of hole walls, degrees.")] = None,
-    lip: Annotated[float | None, _option(help="Straight lip before the flare, mm.")] = None,
-    depth: Annotated[float | None, _option(help="Depth of blind pockets, mm; else through.")] = None,
-    fillet: Annotated[float | None, _option(help="Radius of re-entrant corners, mm.")] = None,
-    style: Annotated[str | None, _option(help="square, rounded, dots, ...: see params.")] = None,
-    frame: Annotated[float | None, _option(help="Frame around the quiet zone, mm.")] = None,
-    corner_radius: Annotated[float | None, _option(help="Radius of the outer corners, mm.")] = None,
-    hole: Annotated[
-        list[str] | None, _option(help="Mounting holes in the frame: D (corners) or X,Y,D. Repeats.")
-    ] = None,
-    caption: Annotated[
-        str | None, _option("--caption", "--text", help="A line on the frame below the code.")
-    ] = None,
-    backing: Annotated[float | None, _option(help="Thickness of a plate behind, mm.")] = None,
-    gap: Annotated[float | None, _option(help="Gap before that plate, mm.")] = None,
-    finder: Annotated[str | None, _option(help="Bars of the finder rings: see params.")] = None,
-    objective: Annotated[str | None, _option(help="optimal, or the paper's: paper.")] = None,
-    quiet: Annotated[int | None, _option(help="Light margin around the code, modules.")] = None,
-    tone: Annotated[str | None, _option(help="normal (light is material) or inverted.")] = None,
-    colour: Annotated[str | None, _option(help="Colour of the part: a name or #rrggbb.")] = None,
-    ground: Annotated[str | None, _option(help="Colour behind it: a name or #rrggbb.")] = None,
-    scan_tilt: Annotated[float | None, _option(help="Tilt at which it must read, degrees.")] = None,
-    seed: Annotated[int | None, _option(help="Seed of everything random.")] = None,
+    template_timeout: Annotated[
+        float, _option("--template-timeout", help="CPU seconds that a template's own code may take.")
+    ] = 60.0,
     as_json: _Json = False,
+    **_: Any,
 ) -> None:
-    """Make a part from a text or a picture, and write it with its certificate."""
+    """Make a part from a text or a picture, and write it with its certificate.
+
+    An option is the parameter of the same name in a template: --size 40 is -D size=40.
+    """
     from perfqr_cad import catalog, export
 
-    if text is not None and image is not None:
-        raise DesignError("a text and --image are both given: give one of them")
     outputs = output or []
     if not outputs and not as_json:
         raise DesignError("nothing to write: give -o FILE, -o FOLDER/ or --json")
+    if (set_file is None) != (set_name is None):
+        given, missing = ("-P", "-p FILE") if set_file is None else ("-p", "-P NAME")
+        raise DesignError(f"{given} names a parameter set only together with {missing}: give both")
     chosen = catalog.find(template)
-    sets = catalog.read_parameter_set(set_file, set_name or "") if set_file else {}
-    defined = dict(catalog.read_definition(d) for d in define or [])
-    values = chosen.values(catalog.merge(sets, defined, _settings(context)))
+    sets = catalog.read_parameter_set(set_file, set_name) if set_file and set_name is not None else {}
+    explicit = options.joined(catalog.read_definitions(define or []), options.given(context.params, payload))
+    values = chosen.values(options.over(sets, explicit))
     export.check(outputs)
     with _progress():
-        design = chosen.build(values).written(outputs)
+        design = chosen.build(values, timeout_s=template_timeout).written(outputs)
     if as_json:
         _print_json(design.certificate())
     else:
         typer.echo(design.summary())
-
-
-def _settings(context: typer.Context) -> dict[str, Value]:
-    """The options of `make` that were given, by the names that templates have for them."""
-    given: dict[str, Value] = {}
-    for name, value in context.params.items():
-        match value:
-            case None | False | [] | ():
-                continue
-            case _ if name in NOT_OF_TEMPLATES:
-                continue
-            case list() | tuple():
-                given[name] = "; ".join(value)
-            case Path() | StrEnum():
-                given[name] = str(value)
-            case _:
-                given[name.rstrip("_")] = value
-    return given
 
 
 @app.command()
@@ -175,10 +107,10 @@ def scan(
     as_json: _Json = False,
 ) -> None:
     """Film a part from many sides and let every decoder read it."""
-    from perfqr_cad.pipeline import design
+    from perfqr_cad.pipeline.chain import scan_part
 
     with _progress():
-        report = design.scan_part(part, text)
+        report = scan_part(part, text)
     if as_json:
         _print_json(report.as_dict())
     else:
@@ -198,12 +130,18 @@ def templates(as_json: _Json = False) -> None:
 
 
 @app.command()
-def params(template: _TemplateName, as_json: _Json = False) -> None:
+def params(
+    template: _TemplateName,
+    as_json: _Json = False,
+    as_schema: Annotated[bool, _option("--schema", help="Print a JSON Schema of the parameters.")] = False,
+) -> None:
     """List what a template lets you set."""
     from perfqr_cad import catalog
 
     found = catalog.find(template)
-    if as_json:
+    if as_schema:
+        _print_json(catalog.schema(found))
+    elif as_json:
         _print_json(catalog.describe(found))
     else:
         typer.echo(catalog.listing(found).render())
@@ -247,10 +185,23 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     except (PerfQRError, typer.TyperException) as error:
         message = error.format_message() if isinstance(error, typer.TyperException) else str(error)
         typer.echo("error: " + " ".join(message.split()), err=True)
-        status = BAD_INPUT
+        status = NOT_HELD if isinstance(error, NotHeldError) else BAD_INPUT
     except (typer.Abort, KeyboardInterrupt):
         status = INTERRUPTED
     sys.exit(status or 0)
+
+
+def entry() -> NoReturn:
+    """The command as a program: `main` in a process of its own, which a signal n ends with 128 + n."""
+    scratch.sweep()
+    sys.exit(supervised.run(_status))
+
+
+def _status() -> int:
+    try:
+        main()
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 1
 
 
 def _version(show: bool) -> None:

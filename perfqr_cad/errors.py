@@ -1,12 +1,13 @@
 """The exception tree.
 
 Every error this package raises on purpose is a `PerfQRError`. Its message is one line that states the
-value, the limit and the remedy; the command line prints it and exits 2.
+value, the limit and the remedy; the command line prints it and exits 2, or 3 for `NotHeldError`.
 
     PerfQRError
     ├── SymbolError      text that does not fit, a matrix damaged beyond its capacity
     ├── CaptureError     a file that is no picture, a picture without a code
     ├── DesignError      a size, web, style or setting that cannot be made
+    │   └── NotHeldError what was asked for by name, and the finished part does not hold
     ├── KernelError      the solid modeller could not build, read or write a shape
     ├── AnalysisError    a strength model that has no answer
     └── TemplateError    a template, parameter or parameter set that cannot be used
@@ -33,6 +34,13 @@ class CaptureError(PerfQRError):
 
 class DesignError(PerfQRError):
     """The settings do not make a part that can be manufactured or read."""
+
+
+class NotHeldError(DesignError):
+    """The part was made, but does not bear, or is not read, as was asked for by name; nothing is written.
+
+    Its message names a change with which it does, or the option that accepts the part as it is.
+    """
 
 
 class KernelError(PerfQRError):

@@ -1,96 +1,30 @@
 """A code in the wall of your own STEP solid."""
 
-from perfqr_cad import make
-from perfqr_cad.catalog.settings import settings
+from perfqr_cad import make, settings
 from perfqr_cad.hosts.step import ImportedFace
 
-# [Code]
-# the text of the code
-text = "https://example.com"
-# a picture of an artistic code, instead of the text
-image = ""
-# error correction level
-level = "M"  # [L:7 %, M:15 %, Q:25 %, H:30 %]
-# symbol version; 0 takes the smallest that fits
-version = 0  # [0:1:40]
-# edge of the code with its quiet zone, mm; 0 takes the smallest that the nozzle prints
-size = 0.0  # [0:0.1:2000]
-# light margin around the code, modules
-quiet = 4  # [1:1:20]
+# [Shared: Code]
 
 # [Solid]
 # the STEP file
 solid = ""
 # name or number of a part, for an assembly
 part = ""
-# number of the face as CAD programs count, from 1; 0: by the point below, else the largest that takes the
-# code
-face = 0  # [0:1:1000000]
+# number of the face as CAD programs count, from 1; none: by the point, else the largest that fits
+face: int | None = None  # [1:1000000]
 # where the reader is, mm; none: not used
-point = None
+point: tuple[float, float, float] | None = None
 # where the reader looks; none: the nearest surface to the point
-direction = None
+direction: tuple[float, float, float] | None = None
 # what points up in the code; none: +z, or +y on faces that look along z
-up = None
+up: tuple[float, float, float] | None = None
 # lay the code along the face instead of projecting it
 wrap = False
 
-# [Look]
-# shape of the modules
-style = "square"  # [square, rounded, dots, diamond, bars]
-# radius of re-entrant corners, mm; -1 takes half the nozzle
-fillet = -1  # [-1:0.05:5]
-# how the finder rings are held
-finder = "recessed"  # [recessed:at the back, panel:flush bars, diagonal:four corner bars]
-# how bridges are chosen
-objective = "optimal"  # [optimal:fewest and least harmful, paper:Eq. (4)]
-
-# [Walls]
-# flare of the hole walls towards the back, degrees
-draft = 0  # [0:1:60]
-# straight lip in front of flared walls, mm
-lip = 0  # [0:0.1:50]
-# depth of blind pockets instead of through-holes, mm; 0 goes through
-depth = 0  # [0:0.1:500]
-# width of one printed line or of the kerf, mm
-nozzle = 0.4  # [0.05:0.05:2]
-
-# [Strength]
-# what the part is made of
-material = "PLA"  # [PLA, PETG, ABS, PA12, resin, aluminium, steel, stainless]
-# uniform pressure on the part, MPa
-pressure = 5e-6
-# force of a fingertip at the worst place of the code, N
-finger = 0  # [0:0.5:10000]
-# whether the code's square carries its own weight, lying flat
-own_weight = False
-# how the code's square is held
-support = "clamped"  # [clamped, simple, two-sides, corners]
-# yield stress, MPa; 0 takes the material's
-yield_ = 0
-# check the strength once more in three dimensions
-verify_solid = False
-
-# [Proof]
-# colour of the part: white, natural, yellow, orange, silver, red, green, blue, grey, black or #rrggbb
-colour = ""
-# colour behind it: white, black, red, green, blue, cyan, magenta, yellow or #rrggbb
-ground = ""
-# tilt at which the part must still read, degrees; 0 asks for nothing
-scan_tilt = 0  # [0:5:60]
-# seed of everything random
-seed = 0  # [0:1:1000000]
+# [Shared: Look, Walls, Strength, Proof, Files]
 
 
 def build(p):
-    target = ImportedFace(
-        p.solid,
-        face=p.face or None,
-        point=p.point,
-        direction=p.direction,
-        part=p.part or None,
-        up=p.up,
-        wrap=p.wrap,
-        depth_mm=p.depth or None,
-    )
+    at = {"point": p.point, "direction": p.direction, "up": p.up}
+    target = ImportedFace(p.solid, face=p.face, part=p.part or None, wrap=p.wrap, **at)
     return make(target=target, **settings(p))

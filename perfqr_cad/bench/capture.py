@@ -31,7 +31,7 @@ Picture = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class PictureCase:
     """A picture, the group it is counted in, and what makes a payload right."""
 
     group: str
@@ -43,13 +43,13 @@ def run() -> Table:
     """Pictures read, payloads right and wrong, and median times, by group of pictures and reader."""
     readers = {OURS: _ours, **{name: _decoder(name) for name in decoders.CORE}}
     results: dict[tuple[str, str], list[tuple[bool, bool, float]]] = {}
-    for trial in _trials():
-        outcomes = {name: _outcome(reader, trial) for name, reader in readers.items()}
+    for case in _pictures():
+        outcomes = {name: _outcome(reader, case) for name, reader in readers.items()}
         right = any(outcomes[name][0] for name in decoders.CORE)
         read_any = any(outcomes[name][1] for name in decoders.CORE)
         outcomes[UNION] = (right, read_any, sum(outcomes[name][2] for name in decoders.CORE))
         for name, outcome in outcomes.items():
-            results.setdefault((trial.group, name), []).append(outcome)
+            results.setdefault((case.group, name), []).append(outcome)
     rows = [_row(*key, outcomes) for key, outcomes in results.items()]
     return Table(
         "capture: pictures read",
@@ -70,11 +70,11 @@ def _row(group: str, name: str, outcomes: list[tuple[bool, bool, float]]) -> tup
     return group, name, len(outcomes), seen, right, seen - right, round(time_ms, 1)
 
 
-def _outcome(reader: Callable[[Picture], tuple[bytes, ...]], trial: Trial) -> tuple[bool, bool, float]:
+def _outcome(reader: Callable[[Picture], tuple[bytes, ...]], case: PictureCase) -> tuple[bool, bool, float]:
     """Whether the right payload was read, whether any was, and the seconds it took."""
     start = perf_counter()
-    payloads = reader(trial.picture)
-    return any(trial.is_right(one) for one in payloads), bool(payloads), perf_counter() - start
+    payloads = reader(case.picture)
+    return any(case.is_right(one) for one in payloads), bool(payloads), perf_counter() - start
 
 
 def _ours(picture: Picture) -> tuple[bytes, ...]:
@@ -89,12 +89,12 @@ def _decoder(name: str) -> Callable[[Picture], tuple[bytes, ...]]:
     return lambda picture: engine(luminance(picture))
 
 
-def _trials() -> Iterator[Trial]:
+def _pictures() -> Iterator[PictureCase]:
     yield from _shared()
     yield from _generated()
 
 
-def _shared() -> Iterator[Trial]:
+def _shared() -> Iterator[PictureCase]:
     """The pictures beside the checkout, when they are there."""
     if not (SHARED / "MANIFEST.csv").exists():
         return
@@ -102,17 +102,17 @@ def _shared() -> Iterator[Trial]:
         for row in csv.DictReader(manifest):
             if row["file"].startswith("art/"):
                 start = row["payload_starts_with"].encode()
-                yield Trial("artistic, shared", load_image(SHARED / row["file"]), _begins_with(start))
+                yield PictureCase("artistic, shared", load_image(SHARED / row["file"]), _begins_with(start))
     for path in sorted((SHARED / "photos").glob("*.png")):
         expected = decoders.accepted(path.with_suffix(".txt").read_bytes())
-        yield Trial("photographs, shared", load_image(path), expected.__contains__)
+        yield PictureCase("photographs, shared", load_image(path), expected.__contains__)
 
 
 def _begins_with(start: bytes) -> Callable[[bytes], bool]:
     return lambda data: data.startswith(start)
 
 
-def _generated() -> Iterator[Trial]:
+def _generated() -> Iterator[PictureCase]:
     """Pictures by the generators of the tests, when the checkout and the generators are there."""
     source = CHECKOUT / "tests" / "pictures.py"
     present = source.exists() and all(map(importlib.util.find_spec, ("qrtsy", "pyqart", "qrcode")))
@@ -125,4 +125,4 @@ def _generated() -> Iterator[Trial]:
     for seed in GENERATED_SEEDS:
         for place, sample in enumerate(pictures.corpus(seed)):
             group = "artistic, generated" if place < pictures.ARTISTIC_OF_CORPUS else "distorted, generated"
-            yield Trial(group, sample.picture, sample.is_right)
+            yield PictureCase(group, sample.picture, sample.is_right)

@@ -9,12 +9,12 @@ from __future__ import annotations
 from itertools import product
 from typing import get_args
 
-from perfqr_cad.bench.pattern import plain
+from perfqr_cad.bench.pattern import plain_code
 from perfqr_cad.pattern import PatternSpec, build
 from perfqr_cad.pattern.spec import FinderStrategy
 from perfqr_cad.progress import tell
 from perfqr_cad.scan import Look, View
-from perfqr_cad.scan.camera.unbuilt import drawn
+from perfqr_cad.scan.camera.preview import plate_scene
 from perfqr_cad.scan.decoding.decoders import CORE, accepted
 from perfqr_cad.scan.decoding.panel import Panel, shared
 from perfqr_cad.scan.proof import PATIENCE, reads
@@ -69,10 +69,10 @@ Counts = list[tuple[list[bool], list[bool]]]  # by tilt: for zxing-cpp and for e
 
 def _read(strategy: FinderStrategy, version: int, module_mm: float, panel: Panel) -> Counts:
     tell(f"finder: {strategy}, version {version}, modules of {module_mm:g} mm")
-    symbol = plain(version)
+    symbol = plain_code(version)
     size_mm = module_mm * (symbol.size + 8)
     pattern = build(symbol, PatternSpec(size_mm=size_mm, finder=strategy))
-    scene = drawn(pattern, THICKNESS_MM, draft_deg=DRAFT_DEG, lip_mm=LIP_MM)
+    scene = plate_scene(pattern, THICKNESS_MM, draft_deg=DRAFT_DEG, lip_mm=LIP_MM)
     module_px = VIEW_MODULE_PX if symbol.size <= LARGE else VIEW_MODULE_OF_LARGE_PX
     size_px = max(LEAST_VIEW_PX, round(module_px * (symbol.size + 8) / 0.7))
     views = [

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.pattern.cells.lattice import Lattice, draw
-from perfqr_cad.pattern.drawing.sampling import BLUR_SIGMA, NOISE_SIGMA, margin_left
+from perfqr_cad.pattern.cells.brightness import BLUR_SIGMA, NOISE_SIGMA, margin_left
+from perfqr_cad.pattern.cells.lattice import Lattice, rasterised
 from perfqr_cad.symbol import Symbol, encode
 from perfqr_cad.table import Table
 
@@ -31,7 +31,7 @@ GAMMA = 2.2
 
 
 @dataclass(frozen=True)
-class Sight:
+class Conditions:
     """One way to be seen: pixels a module, blur (standard deviation, px) and noise (part of full scale)."""
 
     module_px: float
@@ -39,7 +39,7 @@ class Sight:
     noise: float
 
 
-SIGHTS = tuple(Sight(*s) for s in product((4.0, 6.0, 9.0), (0.6, 1.2), (0.02, 0.08)))
+CONDITIONS = tuple(Conditions(*s) for s in product((4.0, 6.0, 9.0), (0.6, 1.2), (0.02, 0.08)))
 BLURS = (0.06, 0.08, 0.10, 0.12, 0.16, 0.20, 0.24)  # of a module
 NOISES = (0.06, 0.08, 0.10, 0.12, 0.15, 0.20)  # of the contrast
 
@@ -50,7 +50,7 @@ class Sample:
 
     lattice: Lattice
     symbol: Symbol
-    sight: Sight
+    seen: Conditions
     left: float | None
 
 
@@ -58,7 +58,7 @@ def run() -> Table:
     """Predicted and measured margin by pixels a module, with the constants in use and with the best."""
     samples = list(study())
     blur, noise = fit(samples)
-    rows = [_row(f"{px:g} px a module", [s for s in samples if s.sight.module_px == px]) for px in (4, 6, 9)]
+    rows = [_row(f"{px:g} px a module", [s for s in samples if s.seen.module_px == px]) for px in (4, 6, 9)]
     rows.append(_row("all", samples))
     return Table(
         "pattern: predicted decoding margin against zxing-cpp's unused error correction",
@@ -83,18 +83,19 @@ def run() -> Table:
 
 
 def study(seed: int = 1) -> Iterator[Sample]:
-    """Every damaged code in every sight."""
+    """Every damaged code under all conditions."""
     rng = np.random.default_rng(seed)
     for version, share, width in product(VERSIONS, BARS_PER_MODULE, BAR_WIDTHS):
         symbol = encode(TEXT, version=version, level=LEVEL)
         lattice = damaged(symbol, share, width, rng)
-        for sight in SIGHTS:
-            yield Sample(lattice, symbol, sight, unused_correction(picture(lattice, sight, rng), TEXT))
+        for seen in CONDITIONS:
+            picture = photographed(lattice, seen, rng)
+            yield Sample(lattice, symbol, seen, unused_correction(picture, TEXT))
 
 
 def damaged(symbol: Symbol, share: float, width: int, rng: np.random.Generator) -> Lattice:
     """A plain code with bars, solid or void, `share` of them a module, at random between the finders."""
-    lattice = draw(~symbol.matrix.dark, 1, QUIET, 1.0, frame=True)
+    lattice = rasterised(~symbol.matrix.dark, 1, QUIET, 1.0, frame=True)
     u, n = lattice.per_module, lattice.modules
     solid = lattice.solid.copy()
     for _ in range(round(share * n * n)):
@@ -105,12 +106,12 @@ def damaged(symbol: Symbol, share: float, width: int, rng: np.random.Generator) 
     return lattice.with_solid(solid)
 
 
-def picture(lattice: Lattice, sight: Sight, rng: np.random.Generator) -> NDArray[np.uint8]:
+def photographed(lattice: Lattice, seen: Conditions, rng: np.random.Generator) -> NDArray[np.uint8]:
     """A gray view, turned a little and off the pixel grid."""
     import cv2
 
     edge = lattice.cells
-    zoom = sight.module_px / lattice.per_module
+    zoom = seen.module_px / lattice.per_module
     side = int(np.ceil(edge * zoom * 1.1)) + 8
     turn = cv2.getRotationMatrix2D((edge / 2, edge / 2), float(rng.uniform(-3, 3)), zoom)
     turn[:, 2] += side / 2 - edge / 2 + rng.uniform(-0.5, 0.5, 2)
@@ -118,8 +119,8 @@ def picture(lattice: Lattice, sight: Sight, rng: np.random.Generator) -> NDArray
     fine = max(1, round(1 / zoom))  # cells a pixel: averaged first, so that none is passed over
     cells = cv2.blur(cells, (fine, fine))
     view = cv2.warpAffine(cells, turn, (side, side), flags=cv2.INTER_LINEAR, borderValue=LIGHT)
-    view = cv2.GaussianBlur(view, (0, 0), sight.blur_px)
-    view = np.clip(view, 0, 1) ** (1 / GAMMA) + rng.normal(0, sight.noise, view.shape)
+    view = cv2.GaussianBlur(view, (0, 0), seen.blur_px)
+    view = np.clip(view, 0, 1) ** (1 / GAMMA) + rng.normal(0, seen.noise, view.shape)
     return (255 * np.clip(view, 0, 1)).astype(np.uint8)
 
 

@@ -10,7 +10,7 @@ from typing import get_args
 
 from perfqr_cad.capture import Art, read
 from perfqr_cad.pattern import Pattern, PatternSpec, build
-from perfqr_cad.pattern.drawing.sampling import margin_left
+from perfqr_cad.pattern.cells.brightness import margin_left
 from perfqr_cad.pattern.spec import Objective
 from perfqr_cad.progress import tell
 from perfqr_cad.symbol import Symbol, blocks, encode
@@ -39,7 +39,7 @@ COLUMNS = (
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class CodeCase:
     """A symbol, with the art that shows it."""
 
     name: str
@@ -63,23 +63,23 @@ def run() -> Table:
     )
 
 
-def cases() -> Iterator[Case]:
+def cases() -> Iterator[CodeCase]:
     """Plain codes of several versions, then every artistic code at hand."""
     for version in VERSIONS:
-        yield Case(f"version {version}", plain(version), None)
+        yield CodeCase(f"version {version}", plain_code(version), None)
     for path in sorted(ART.glob("*")) if ART.is_dir() else []:
         capture = read(path)
-        yield Case(path.name, capture.recovery.symbol, capture.art)
+        yield CodeCase(path.name, capture.recovery.symbol, capture.art)
 
 
-def plain(version: int) -> Symbol:
+def plain_code(version: int) -> Symbol:
     """A level M code of a version, nearly full of text that looks random."""
     room = int(FILL * (blocks(version, "M").data_codewords - 3))
     noise = "".join(LETTERS[(k * k * 7 + k * 3) % 97 % len(LETTERS)] for k in range(room))
     return encode((TEXT + noise)[:room], version=version, level="M")
 
 
-def _row(case: Case, objective: Objective) -> tuple[object, ...]:
+def _row(case: CodeCase, objective: Objective) -> tuple[object, ...]:
     tell(f"{case.name}: {objective}")
     began = process_time()
     pattern = build(case.symbol, PatternSpec(objective=objective), case.art)
@@ -101,4 +101,4 @@ def _row(case: Case, objective: Objective) -> tuple[object, ...]:
 
 
 def _margin(pattern: Pattern) -> float:
-    return margin_left(pattern.draft.lattice, pattern.symbol)
+    return margin_left(pattern.canvas.lattice, pattern.symbol)

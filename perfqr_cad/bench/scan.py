@@ -34,7 +34,7 @@ def run() -> Table:
     rows: list[tuple[object, ...]] = [("sections and light, once a part", *_timed(prepare), None)]
     for tilt in TILTS_DEG:
         view = View(tilt, 25.0)
-        camera = Camera(view, scene.part.target)
+        camera = Camera(view, scene.part.code)
         rows.append(
             (f"plate, 1000 x 1000, {tilt:g}°", *_timed(partial(scene.layered, camera, Look(), 0.85)), 0.05)
         )
@@ -57,7 +57,7 @@ def run() -> Table:
 def _certify(triangles: Triangles, pattern: Pattern, *, full: bool) -> ScanReport:
     placement = Plane(2.0)
     if full:
-        return certify(triangles, placement, pattern, TEXT, plan=FULL, decoders=None)
+        return certify(triangles, placement, pattern, TEXT, schedule=FULL, decoders=None)
     return certify(triangles, placement, pattern, TEXT)
 
 

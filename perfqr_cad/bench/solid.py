@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Exact solids: building, proof, STEP and STL, and what the same work costs the naive way."""
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ def _picture(folder: Path) -> Path:
 
 def _steps() -> dict[str, float]:
     """Seconds by step of a design made in a process that is already warm."""
-    from perfqr_cad.pipeline.design import make
+    from perfqr_cad.pipeline.chain import make
 
     make(TEXT, version=5, size_mm=60.0)
     return make(TEXT, version=5, size_mm=60.0).timings_s

@@ -14,8 +14,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from perfqr_cad.capture.capture import Art
 from perfqr_cad.capture.grid import Floats, Grid, look_up
-from perfqr_cad.capture.model import Art
 from perfqr_cad.capture.register import known_modules
 
 Floats32 = NDArray[np.float32]

@@ -28,7 +28,7 @@ CONTRAST_FLOOR = 0.3  # of the whole symbol's contrast: below it a window is not
 
 
 @dataclass(frozen=True, eq=False)
-class Template:
+class FunctionTemplate:
     """Known modules sampled: points (m, 2) in modules, values (m,) −1 dark to +1 light, jacobian (m, 8)."""
 
     points: NDArray[np.float64]
@@ -109,7 +109,7 @@ def _normalised_product(a: Floats, b: Floats) -> float:
     return float(np.dot(a, b)) / scale if scale > 0 else 0.0
 
 
-def _descend(image: NDArray[np.float32], grid: Grid, known: Template, iterations: int) -> Grid:
+def _descend(image: NDArray[np.float32], grid: Grid, known: FunctionTemplate, iterations: int) -> Grid:
     """Gauss-Newton on the eight parameters of the homography; brightness and contrast are fitted too."""
     unit = _unit_square(grid.size)
     weights = np.linalg.pinv(known.jacobian.T @ known.jacobian + 1e-6 * np.eye(8)) @ known.jacobian.T
@@ -138,7 +138,7 @@ def _unit_square(size: int) -> Floats:
 
 
 @lru_cache(maxsize=64)
-def template(size: int, modules: str, blur: float) -> Template:
+def template(size: int, modules: str, blur: float) -> FunctionTemplate:
     """The known modules of an n × n symbol ("all", or "finders" with their separators), blurred."""
     mask, dark = known_modules(size, modules)
     pad = 4
@@ -151,7 +151,7 @@ def template(size: int, modules: str, blur: float) -> Template:
     points = np.stack([columns + 0.5, rows + 0.5], axis=1) / SPACING - pad
     unit = points * (2.0 / size) - 1.0
     slope = np.stack([right[rows, columns], down[rows, columns]], axis=1) * (SPACING * size / 2.0)
-    return Template(points, smooth[rows, columns].astype(np.float64), _jacobian(unit, slope))
+    return FunctionTemplate(points, smooth[rows, columns].astype(np.float64), _jacobian(unit, slope))
 
 
 def _jacobian(unit: Floats, slope: Floats) -> NDArray[np.float64]:

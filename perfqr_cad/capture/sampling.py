@@ -26,7 +26,7 @@ MAX_LOG_LIKELIHOOD = 12.0  # a chance of 6e-6 that a clear module lies: dirt, a 
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class ModuleSamples:
     """Values of the modules: `mean` (n, n) over the Gaussian points, `votes` (n, n, p) at each of them."""
 
     mean: NDArray[np.float64]
@@ -45,13 +45,13 @@ def offsets() -> tuple[Floats, Floats]:
     return np.stack([x.ravel(), y.ravel()], axis=1), np.full(POINTS * POINTS, 1.0 / POINTS**2)
 
 
-def sample(image: NDArray[np.uint8], grid: Grid) -> Samples:
+def sample_modules(image: NDArray[np.uint8], grid: Grid) -> ModuleSamples:
     """The values of all modules of a grey image."""
     about, weights = offsets()
     column, row = np.meshgrid(np.arange(grid.size) + 0.5, np.arange(grid.size) + 0.5)
     points = np.stack([column, row], axis=-1).reshape(-1, 1, 2) + about
     votes = look_up(image, grid.pixels(points)).reshape(grid.size, grid.size, -1)
-    return Samples((votes @ weights.astype(np.float32)).astype(np.float64), votes)
+    return ModuleSamples((votes @ weights.astype(np.float32)).astype(np.float64), votes)
 
 
 def global_threshold(image: NDArray[np.uint8]) -> float:
@@ -65,7 +65,7 @@ def global_threshold(image: NDArray[np.uint8]) -> float:
     return sum(means) / 2
 
 
-def vote_log_likelihood(samples: Samples, threshold: float) -> NDArray[np.float64]:
+def vote_log_likelihood(samples: ModuleSamples, threshold: float) -> NDArray[np.float64]:
     """(n, n) ln(P(dark)/P(light)) from the share of dark Gaussian points, Laplace-smoothed."""
     count = samples.votes.shape[2]
     dark = np.count_nonzero(samples.votes < threshold, axis=2)
@@ -73,7 +73,7 @@ def vote_log_likelihood(samples: Samples, threshold: float) -> NDArray[np.float6
 
 
 def soft_log_likelihood(
-    samples: Samples, light: NDArray[np.float64], dark: NDArray[np.float64]
+    samples: ModuleSamples, light: NDArray[np.float64], dark: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """(n, n) ln(P(dark)/P(light)): place between the levels of dark and light nearby, over the noise."""
     value = samples.mean
@@ -84,7 +84,7 @@ def soft_log_likelihood(
     return np.clip(place / noise**2, -MAX_LOG_LIKELIHOOD, MAX_LOG_LIKELIHOOD)
 
 
-def levels(samples: Samples) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def levels(samples: ModuleSamples) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(n, n) levels of light and dark, from the function patterns and, step by step, all modules nearby."""
     value = samples.mean
     known, is_dark = known_modules(value.shape[0], "all")

@@ -1,40 +1,46 @@
 """Templates: parametric parts that a user can list, set and run without writing code.
 
-A template is a Python file whose top holds plain literal parameters with OpenSCAD customizer comments,
-followed by `build(p)`, which gets the values as attributes of `p` and returns a `Design`:
+A template is a Python file whose top declares parameters (`catalog.customizer`), followed by `build(p)`,
+which gets the values as attributes of `p` and returns a `Design`:
 
-    \"\"\"A flat plate with a perforated code.\"\"\"
-    # [Code]
-    # edge of the whole code with its quiet zone, mm
-    size = 60  # [20:1:200]
+    \"\"\"A tag of two sizes.\"\"\"
+    from perfqr_cad import make, settings
+
+    # [Shared: Code, Look]
+    # [Tag]
+    # how large
+    large = False
 
     def build(p):
-        return make(text=p.text, size_mm=p.size)
+        return make(**settings(p), thickness_mm=3 if p.large else 2)
 
-Order of precedence: defaults < parameter set (`-p FILE -P NAME`) < `-D name=value`. OpenSCAD itself lets
-a set beat `-D`; here the more explicit wins.
+Order of precedence: defaults < parameter set (`-p FILE -P NAME`) < `-D name=value` and options. OpenSCAD
+itself lets a set beat `-D`; here the more explicit wins.
 """
 
 from __future__ import annotations
 
 import ast
 import difflib
-import json
-import runpy
-import traceback
+import tokenize
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from perfqr_cad.catalog.parameter import Parameter, Value, parameters, python_name, read_value
-from perfqr_cad.errors import PerfQRError, TemplateError
-from perfqr_cad.table import Table
+from perfqr_cad.catalog.customizer import parameters
+from perfqr_cad.catalog.running import TIMEOUT_S, run
+from perfqr_cad.errors import DesignError, TemplateError
+from perfqr_cad.pipeline.kinds import Value, shown
+from perfqr_cad.pipeline.parameter import Parameter
+
+if TYPE_CHECKING:
+    from perfqr_cad.pipeline.design import Design
 
 _HERE = Path(__file__).resolve().parents[1]
 # In a checkout the templates are beside the package, in an installed wheel inside it.
 TEMPLATE_FOLDERS = (_HERE.parent / "templates", _HERE / "templates")
+MOST_BYTES = 1_000_000  # of a template's source
 
 
 @dataclass(frozen=True)
@@ -46,41 +52,40 @@ class Template:
     description: str
     parameters: tuple[Parameter, ...]
 
-    def values(self, overrides: Mapping[str, Value]) -> dict[str, Value]:
-        """All parameters with `overrides` checked and applied.
+    def values(self, overrides: Mapping[str, Any]) -> dict[str, Value]:
+        """All parameters with `overrides` read, checked and applied.
 
-        Raises `TemplateError` naming the nearest known parameter when a name is unknown.
+        Raises `TemplateError` for a value that is none of its parameter's, and for an unknown name with the
+        nearest one that is known.
         """
         known = {p.name: p for p in self.parameters}
         result = {p.name: p.default for p in self.parameters}
-        for name, value in overrides.items():
+        for name, given in overrides.items():
             if name not in known:
-                near = difflib.get_close_matches(name, known, n=1)
-                hint = f"; did you mean {near[0]!r}?" if near else f"; it has {', '.join(known)}"
-                raise TemplateError(f"template {self.name!r} has no parameter {name!r}{hint}")
-            result[name] = known[name].check(value)
+                raise TemplateError(f"template {self.name!r} does not take {shown(name)}{self._near(name)}")
+            try:
+                result[name] = known[name].read(given)
+            except DesignError as error:
+                raise TemplateError(str(error)) from error
         return result
 
-    def build(self, overrides: Mapping[str, Value] | None = None) -> Any:
+    def build(self, overrides: Mapping[str, Any] | None = None, *, timeout_s: float = TIMEOUT_S) -> Design:
         """Run the template's `build(p)` and return its `Design`.
 
-        Raises `TemplateError` with the line where the template's own code fails, or when it returns nothing.
+        timeout_s   CPU seconds that the template's own code may take
+
+        Raises `TemplateError` with the line where the template's own code fails, when it returns no design,
+        ends the program or takes too long.
         """
         values = self.values(overrides or {})
-        names = {python_name(name): value for name, value in values.items()}
-        try:
-            build = runpy.run_path(str(self.path), run_name=f"perfqr_template_{self.name}")["build"]
-            made = build(SimpleNamespace(**names))
-        except Exception as error:
-            innermost = traceback.extract_tb(error.__traceback__)[-1]
-            if isinstance(error, PerfQRError) or innermost.filename != str(self.path):
-                raise
-            raise TemplateError(
-                f"{self.path.name} line {innermost.lineno}: {type(error).__name__}: {error}"
-            ) from error
-        if made is None:
-            raise TemplateError(f"build(p) of {self.path.name} returns nothing: return a Design")
-        return made
+        names = {p.python_name: values[p.name] for p in self.parameters}
+        return run(self.path, names, timeout_s)
+
+    def _near(self, name: str) -> str:
+        near = difflib.get_close_matches(name, [p.name for p in self.parameters], n=1)
+        return (
+            f"; did you mean {near[0]!r}?" if near else f": `perfqr params {self.name}` lists what it takes"
+        )
 
 
 def find(name: str) -> Template:
@@ -90,88 +95,52 @@ def find(name: str) -> Template:
     """
     if name.endswith(".py"):
         return load(Path(name))
-    for folder in TEMPLATE_FOLDERS:
-        path = folder / f"{name.replace('-', '_')}.py"
-        if path.is_file():
-            return load(path)
-    shipped = ", ".join(t.name for t in available())
-    raise TemplateError(f"no template {name!r}: shipped are {shipped}; a file of your own must end in .py")
+    shipped = {template.stem.replace("_", "-"): template for template in _shipped()}
+    if name.replace("_", "-") in shipped:
+        return load(shipped[name.replace("_", "-")])
+    known = ", ".join(shipped)
+    raise TemplateError(f"no template {shown(name)}: shipped are {known}; a file of your own must end in .py")
 
 
 def available() -> tuple[Template, ...]:
     """The shipped templates, by name."""
-    paths = {p.stem: p for folder in reversed(TEMPLATE_FOLDERS) for p in folder.glob("[!_]*.py")}
-    return tuple(load(paths[stem]) for stem in sorted(paths))
+    return tuple(load(path) for path in _shipped())
 
 
 def load(path: Path) -> Template:
     """Read a template's parameters from its source without running it."""
+    source = _read(path)
     try:
-        source = path.read_text(encoding="utf-8")
         tree = ast.parse(source)
-    except (OSError, UnicodeDecodeError) as error:
-        raise TemplateError(f"cannot read template {path}: {error}") from error
-    except SyntaxError as error:
-        raise TemplateError(f"{path.name} line {error.lineno}: {error.msg}") from error
-    if not any(isinstance(node, ast.FunctionDef) and node.name == "build" for node in tree.body):
+        declared = parameters(source, tree)
+    except (SyntaxError, tokenize.TokenError) as error:
+        at = f" line {error.lineno}" if isinstance(error, SyntaxError) else ""
+        raise TemplateError(f"{path.name}{at}: {error}") from error
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise TemplateError(f"{path.name} is nested too deeply, or no Python: simplify it") from error
+    except DesignError as error:
+        raise TemplateError(f"{path.name}: {error}") from error
+    build = next((n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "build"), None)
+    if build is None:
         raise TemplateError(f"{path.name} defines no build(p): add a function that returns a Design")
+    if not (build.args.posonlyargs or build.args.args or build.args.vararg):
+        raise TemplateError(f"{path.name}: build() takes no values: write def build(p)")
     description = (ast.get_docstring(tree) or "").strip()
-    return Template(path.stem.replace("_", "-"), path, description, parameters(source, tree))
+    return Template(path.stem.replace("_", "-"), path, description, declared)
 
 
-def read_definition(text: str) -> tuple[str, Value]:
-    """`name=value` of a `-D` option; values are OpenSCAD or Python literals, bare words are strings."""
-    name, equals, value = text.partition("=")
-    name = name.strip()
-    if not equals or not name.isidentifier():
-        raise TemplateError(f"-D {text!r} is not name=value")
-    return name, read_value(value)
+def _shipped() -> list[Path]:
+    paths = {p.stem: p for folder in reversed(TEMPLATE_FOLDERS) for p in folder.glob("[!_]*.py")}
+    return [paths[stem] for stem in sorted(paths)]
 
 
-def read_parameter_set(path: Path, name: str) -> dict[str, Value]:
-    """The set `name` of an OpenSCAD customizer JSON file (`parameterSets`)."""
+def _read(path: Path) -> str:
     try:
-        sets = json.loads(path.read_text(encoding="utf-8"))["parameterSets"]
-    except OSError as error:
-        raise TemplateError(f"cannot read parameter sets {path}: {error.strerror}") from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise TemplateError(
-            f"{path.name} is no OpenSCAD parameter-set file: it needs a 'parameterSets' object"
-        ) from error
-    if not isinstance(sets, dict) or not isinstance(sets.get(name), dict):
-        known = ", ".join(sets) if isinstance(sets, dict) else "none"
-        raise TemplateError(f"{path.name} has no parameter set {name!r}: it has {known}")
-    return {key: read_value(v) if isinstance(v, str) else v for key, v in sets[name].items()}
-
-
-def merge(*layers: Mapping[str, Value]) -> dict[str, Value]:
-    """Overrides in order of precedence, the last one first to be believed."""
-    return {name: value for layer in layers for name, value in layer.items()}
-
-
-def describe(template: Template) -> dict[str, Any]:
-    """A template and its parameters as plain JSON values."""
-    return {
-        "name": template.name,
-        "description": template.description,
-        "parameters": [
-            {
-                "name": p.name,
-                "default": p.default,
-                "description": p.description,
-                "group": p.group,
-                "minimum": p.minimum,
-                "step": p.step,
-                "maximum": p.maximum,
-                "choices": [{"value": value, "label": label} for value, label in p.choices],
-                "max_length": p.max_length,
-            }
-            for p in template.parameters
-        ],
-    }
-
-
-def listing(template: Template) -> Table:
-    """A template's parameters as a table for people."""
-    rows = [(p.group, p.name, str(p.default), p.limits, p.description) for p in template.parameters]
-    return Table(template.name, ("group", "name", "default", "limits", "meaning"), tuple(rows))
+        if not path.is_file():
+            raise TemplateError(f"cannot read template {shown(str(path))}: there is no such file")
+        if path.stat().st_size > MOST_BYTES:
+            raise TemplateError(f"{path.name} has over {MOST_BYTES:,} bytes: give a template")
+        return path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
+        raise TemplateError(f"cannot read template {shown(str(path))}: {reason}") from error

@@ -1,9 +1,10 @@
 """Files of a finished part: one format, one module, each with `write(design, path)`.
 
-    write(design, "part.step")     one file, the suffix is the format
-    write_all(design, "out/")      everything that a maker, an engineer or a reader of the report needs
+    write(design, "part.step")           one file, the suffix is the format
+    write_outputs(design, ["out/"])      a folder with everything that a maker or an engineer needs
 
-Nothing is ever half-written: files are made in a folder beside their place and renamed into it.
+Nothing is ever half-written: files are made in a folder beside their place and renamed into it. An exporter
+reads a `DesignView` and computes nothing that a certificate would state.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from typing import Any
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.export.design_view import DesignView
-from perfqr_cad.export.staging import probe, staged
+from perfqr_cad.export.omissions import leaves_out, notes
+from perfqr_cad.export.options import DEFAULT, Options
+from perfqr_cad.export.staging import check_writable, staged
 from perfqr_cad.progress import tell
 
 # Suffix -> module of this package; loaded on use, since several pull in a heavy library.
@@ -32,7 +35,7 @@ FORMATS: dict[str, str] = {
     ".dxf": "dxf",
     ".scad": "scad",
     ".glb": "glb",
-    ".png": "png",
+    ".png": "picture",
     ".vtu": "vtu",
     ".html": "report",
     ".json": "certificate",
@@ -54,12 +57,24 @@ FILES: tuple[str, ...] = (
 
 @dataclass(frozen=True)
 class FileRecord:
-    """A file that was written: its path as asked for, format, size and SHA-256 of its bytes."""
+    """A file that was written: its path as asked for, format, size and SHA-256 of its bytes.
+
+    leaves_out  bodies of the design that the file does not hold
+    notes       what it shows otherwise than the part is
+    """
 
     path: str
     format: str
     bytes: int
     sha256: str
+    leaves_out: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def remarks(self) -> str:
+        """Both on one line; empty for a file that holds all as it is."""
+        left = f"leaves out {' and '.join(self.leaves_out)}" if self.leaves_out else ""
+        return "; ".join(filter(None, (left, *self.notes)))
 
     def as_dict(self) -> dict[str, Any]:
         """The record as the certificate lists it."""
@@ -75,34 +90,28 @@ def check(outputs: Sequence[str | Path]) -> None:
     folders = {Path(output) for output in outputs if _is_folder(output)}
     for target in _targets(outputs):
         module_of(target)
-        probe(target.parent, create=target.parent in folders)
+        check_writable(target.parent, create=target.parent in folders)
 
 
-def write(design: DesignView, path: str | Path) -> FileRecord:
+def write(design: DesignView, path: str | Path, options: Options = DEFAULT) -> FileRecord:
     """Write one file; its suffix is the format. The folder must exist.
 
     Raises `DesignError` for an unknown suffix and for a folder that cannot be written to.
     """
     module_of(path)
-    return _write(design, [Path(path)], made=set())[0]
+    return _write(design, [Path(path)], set(), options)[0]
 
 
-def write_all(design: DesignView, folder: str | Path) -> tuple[FileRecord, ...]:
-    """Write `FILES`, the certificate last, with the sizes and hashes of the others.
-
-    The folder is made if need be. Raises `DesignError` for one that cannot be written to.
-    """
-    return write_outputs(design, [f"{folder}/"])
-
-
-def write_outputs(design: DesignView, outputs: Sequence[str | Path]) -> tuple[FileRecord, ...]:
+def write_outputs(
+    design: DesignView, outputs: Sequence[str | Path], options: Options = DEFAULT
+) -> tuple[FileRecord, ...]:
     """Write several files and folders; each certificate among them lists all files that are none.
 
-    An output that ends in `/`, has no suffix or is a folder gets `FILES`. All appear or, after an error,
-    none. Raises `DesignError` as `check` does.
+    An output that ends in `/`, has no suffix or is a folder gets `FILES`, and is made if need be. All appear
+    or, after an error, none. Raises `DesignError` as `check` does.
     """
     made = {Path(output) for output in outputs if _is_folder(output)}
-    return _write(design, _targets(outputs), made)
+    return _write(design, _targets(outputs), made, options)
 
 
 def module_of(path: str | Path) -> str:
@@ -116,7 +125,9 @@ def module_of(path: str | Path) -> str:
     return FORMATS[suffix]
 
 
-def _write(design: DesignView, targets: Sequence[Path], made: set[Path]) -> tuple[FileRecord, ...]:
+def _write(
+    design: DesignView, targets: Sequence[Path], made: set[Path], options: Options
+) -> tuple[FileRecord, ...]:
     modules = {target: module_of(target) for target in targets}
     parts = [target for target in modules if modules[target] != "certificate"]
     certificates = [target for target in modules if modules[target] == "certificate"]
@@ -126,9 +137,10 @@ def _write(design: DesignView, targets: Sequence[Path], made: set[Path]) -> tupl
         records: list[FileRecord] = []
         for target in parts:
             tell(f"writing {target.name}")
-            staging = stages[target.parent] / target.name
-            import_module(f"{__name__}.{modules[target]}").write(design, staging)
-            records.append(_record(target, staging))
+            module, staging = modules[target], stages[target.parent] / target.name
+            import_module(f"{__name__}.{module}").write(design, staging, **options.of(module))
+            remarks = {"leaves_out": leaves_out(design, module), "notes": notes(design, module)}
+            records.append(replace(_record(target, staging), **remarks))
         for target in certificates:
             staging = stages[target.parent] / target.name
             files = [_seen_from(target.parent, record).as_dict() for record in records]

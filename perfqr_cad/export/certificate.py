@@ -18,18 +18,18 @@ def write(design: DesignView, path: Path, *, files: Sequence[Mapping[str, Any]] 
     certificate = design.certificate()
     if files is not None:
         certificate = certificate | {"files": list(files)}
-    text = json.dumps(plain(certificate), indent=2, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(json_ready(certificate), indent=2, ensure_ascii=False, allow_nan=False)
     path.write_text(text + "\n", "utf-8")
 
 
-def plain(value: Any) -> Any:
+def json_ready(value: Any) -> Any:
     """The value in JSON's own types: arrays as lists, and null for what has no finite value."""
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): json_ready(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
+        return json_ready(value.tolist())
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
+        return [json_ready(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
+import secrets
 import shutil
-import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from perfqr_cad import scratch
 from perfqr_cad.errors import DesignError
-
-_PREFIX = ".perfqr-"
 
 
 @contextmanager
@@ -25,8 +24,10 @@ def staged(folder: Path, *, create: bool = False) -> Generator[Path]:
     try:
         if create:
             made = [path for path in (folder, *folder.parents) if not path.exists()]
+            for path in reversed(made):
+                scratch.note(path)
             folder.mkdir(parents=True, exist_ok=True)
-        stage = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=folder))
+        stage = _scratch_in(folder)
         try:
             yield stage
             _publish(stage, folder)
@@ -41,22 +42,43 @@ def staged(folder: Path, *, create: bool = False) -> Generator[Path]:
         raise
 
 
-def probe(folder: Path, *, create: bool = False) -> None:
+def check_writable(folder: Path, *, create: bool = False) -> None:
     """Raise the `DesignError` that `staged` would, and leave nothing behind."""
     there = next(path for path in (folder, *folder.parents) if path.exists()) if create else folder
     try:
-        Path(tempfile.mkdtemp(prefix=_PREFIX, dir=there)).rmdir()
+        _scratch_in(there).rmdir()
     except OSError as error:
         raise _refusal(folder, error) from error
 
 
+def _scratch_in(folder: Path) -> Path:
+    path = folder / f"{scratch.PREFIX}{secrets.token_hex(6)}"
+    scratch.note(path)
+    path.mkdir(mode=0o700)
+    return path
+
+
 def _publish(stage: Path, folder: Path) -> None:
+    """Move the set of files up as a whole: after an error the former files are back in their places."""
     files = sorted(stage.iterdir())
     for path in files:
         if (folder / path.name).is_dir():
             raise DesignError(f"{folder / path.name} is a folder: move it, or write elsewhere")
-    for path in files:
-        os.replace(path, folder / path.name)
+    former = stage / "former"
+    former.mkdir()
+    with scratch.publishing():
+        try:
+            for path in files:
+                if (folder / path.name).exists():
+                    os.link(folder / path.name, former / path.name)
+                os.replace(path, folder / path.name)
+        except OSError:
+            for path in files:
+                if (former / path.name).exists():
+                    os.replace(former / path.name, folder / path.name)
+                elif not path.exists():  # it was moved up, and there was none before
+                    (folder / path.name).unlink()
+            raise
 
 
 def _refusal(folder: Path, error: OSError) -> DesignError:

@@ -6,7 +6,7 @@ from typing import Any, Literal, cast
 
 import cadquery
 
-from perfqr_cad.frontends.plate import plate
+from perfqr_cad.frontends.designs import design_of
 from perfqr_cad.solid.kernel.convert import to_cadquery
 
 
@@ -22,10 +22,14 @@ def perforatedQR(
 ) -> cadquery.Workplane:
     """A flat perforated code at every point of the stack, its back on the workplane, read from its +z side.
 
-    Settings are those of `frontends.plate.plate`; `combine` and `clean` are CadQuery's.
+    Settings are those of `perfqr_cad.make`; `combine` and `clean` are CadQuery's. The design with its
+    certificate is `design` of the workplane that is returned.
     """
-    code = cast(cadquery.Shape, to_cadquery(plate(text, size_mm, thickness_mm, **settings)).val())
-    return self.eachpoint(lambda place: code.moved(place), True, combine, clean)
+    design = design_of(text, size_mm=size_mm, thickness_mm=thickness_mm, **settings)
+    code = cast(cadquery.Shape, to_cadquery(design.solid).val())
+    placed = self.eachpoint(lambda place: code.moved(place), True, combine, clean)
+    placed.design = design  # type: ignore[attr-defined]
+    return placed
 
 
 cadquery.Workplane.perforatedQR = perforatedQR  # type: ignore[attr-defined]

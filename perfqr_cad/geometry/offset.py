@@ -14,13 +14,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
+from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Loop, Segment
-from perfqr_cad.geometry.rings import following, owners, starts_of
-from perfqr_cad.geometry.segments import Array, Indices
+from perfqr_cad.geometry.rings import following, owners, preceding, starts_of
 from perfqr_cad.geometry.vectors import cross, crossing, left, unit
 
 SMOOTH = 1e-6  # sine of the turn below which two segments join smoothly
@@ -41,6 +39,10 @@ def widened(loops: Sequence[Loop], flares_mm: Array, share: float = 1.0) -> list
     Rounded corners between lines stay tangent; joints that hardly turn take the lesser flare of the two.
     Where a segment would vanish or turn over, it and its neighbours give way: their flares are halved, in the
     end dropped. A loop where that does not help stays as it is.
+
+    >>> hole = Loop.from_points([(0, 0), (2, 0), (2, 2), (0, 2)]).oriented(ccw=False)
+    >>> widened([hole], np.full(4, 0.5))[0].area
+    -9.0
     """
     if not loops:
         return []
@@ -113,9 +115,7 @@ class _Chain:
     @cached_property
     def before(self) -> Indices:
         """(k,) the one before."""
-        before = np.empty_like(self.after)
-        before[self.after] = np.arange(len(before))
-        return before
+        return preceding(self.start)
 
     @cached_property
     def ahead(self) -> tuple[Array, Array]:
@@ -129,7 +129,7 @@ class _Chain:
         return one, two
 
     @cached_property
-    def fillet(self) -> NDArray[np.bool_]:
+    def fillet(self) -> Mask:
         """(k,) arcs tangent to a line on either side, which make a corner (a slot's end does not)."""
         begin, end = self.ahead
         smooth = self._smooth(SMOOTH)
@@ -153,7 +153,7 @@ class _Chain:
         radius = np.where(self.fillet, rounded, radius)
         return _Moved(corner, centre, radius, self._controls(back))
 
-    def turned_over(self, moved: _Moved) -> NDArray[np.bool_]:
+    def turned_over(self, moved: _Moved) -> Mask:
         """(k,) whether a segment has vanished, or runs the other way: the corners beside it have met."""
         start, end = moved.corner, moved.corner[self.after]
         old, new = self.points[:, 3] - self.points[:, 0], end - start
@@ -166,7 +166,7 @@ class _Chain:
         found |= ~np.isfinite(new).all(axis=1) | (start == end).all(axis=1)
         return np.where(self._whole, moved.radius <= 0, found)
 
-    def around(self, bad: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def around(self, bad: Mask) -> Mask:
         """(k,) segments and their neighbours."""
         found = bad.copy()
         for _ in range(REACH):
@@ -193,18 +193,18 @@ class _Chain:
         return [Loop(tuple(made[a:b])) for a, b in zip(self.start[:-1], self.start[1:], strict=True)]
 
     @cached_property
-    def _round(self) -> NDArray[np.bool_]:
+    def _round(self) -> Mask:
         return self.side != 0
 
     @cached_property
-    def _whole(self) -> NDArray[np.bool_]:
+    def _whole(self) -> Mask:
         return np.array([isinstance(s, Circle) for s in self.segments])
 
     @cached_property
-    def _bezier(self) -> NDArray[np.bool_]:
+    def _bezier(self) -> Mask:
         return np.array([isinstance(s, Bezier) for s in self.segments])
 
-    def _smooth(self, sine: float) -> NDArray[np.bool_]:
+    def _smooth(self, sine: float) -> Mask:
         """(k,) whether each segment goes on into the next without a corner."""
         one, two = self.ahead[1], self.ahead[0][self.after]
         return (np.abs(cross(one, two)) < sine) & (np.einsum("ki,ki->k", one, two) > 0)
@@ -222,12 +222,8 @@ class _Chain:
     def _evened(self, flares_mm: Array) -> Array:
         """Flares made equal across smooth joints, save those of a fillet, which adapts."""
         joined = np.flatnonzero(self._smooth(EVEN) & ~self.fillet & ~self.fillet[self.after])
-        links = joined, self.after[joined]
-        size = len(flares_mm)
-        _, run = connected_components(
-            coo_array((np.ones(len(joined)), links), shape=(size, size)), directed=False
-        )
-        least = np.full(size, math.inf)
+        run = components(np.column_stack([joined, self.after[joined]]), len(flares_mm))
+        least = np.full(len(flares_mm), math.inf)
         np.minimum.at(least, run, flares_mm)
         return least[run]
 

@@ -52,7 +52,12 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Arc:
-    """A circular arc from `start` to `end` about `centre`, counter-clockwise when `ccw`; less than a turn."""
+    """A circular arc from `start` to `end` about `centre`, counter-clockwise when `ccw`; less than a turn.
+
+    >>> quarter = Arc((2.0, 0.0), (0.0, 2.0), (0.0, 0.0), ccw=True)
+    >>> quarter.radius, quarter.length == math.pi
+    (2.0, True)
+    """
 
     start: Point
     end: Point
@@ -197,7 +202,12 @@ Segment: TypeAlias = Line | Arc | Circle | Bezier
 
 @dataclass(frozen=True)
 class Loop:
-    """A closed chain of segments, each starting where the one before ends; a circle stands alone."""
+    """A closed chain of segments, each starting where the one before ends; a circle stands alone.
+
+    >>> square = Loop.from_points([(0, 0), (2, 0), (2, 2), (0, 2)])
+    >>> square.area, square.length, square.reversed().area
+    (4.0, 8.0, -4.0)
+    """
 
     segments: tuple[Segment, ...]
 
@@ -233,7 +243,13 @@ class Loop:
 
 @dataclass(frozen=True)
 class Region:
-    """One piece of material: a counter-clockwise outer loop and clockwise holes, mm."""
+    """One piece of material: a counter-clockwise outer loop and clockwise holes, mm.
+
+    >>> square = Loop.from_points([(0, 0), (4, 0), (4, 4), (0, 4)])
+    >>> hole = Loop((Circle((2.0, 2.0), 1.0, ccw=False),))
+    >>> round(Region(square, (hole,)).area + math.pi, 9)
+    16.0
+    """
 
     outer: Loop
     holes: tuple[Loop, ...] = ()

@@ -7,12 +7,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Segment
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 LEAST_OF_CIRCLE = 8  # chords of a whole circle, however small
 
@@ -26,8 +23,11 @@ def by_kind(segments: Sequence[Segment]) -> dict[type, Indices]:
 
 
 def positions(segments: Sequence[Segment], fractions: Array) -> Array:
-    """Points (k, q, 2) at q fractions of each segment's parameter (the angle, on arcs); the ends to the
-    bit."""
+    """Points (k, q, 2) at q fractions of each segment's parameter (the angle, on arcs); the ends to the bit.
+
+    >>> positions([Line((0.0, 0.0), (4.0, 2.0))], np.array([0.25, 1.0])).tolist()
+    [[[1.0, 0.5], [4.0, 2.0]]]
+    """
     return _evaluated(segments, fractions)[0]
 
 

@@ -5,17 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from scipy.interpolate import BSpline, NdBSpline
 
-if TYPE_CHECKING:
-    from scipy.interpolate import NdBSpline
-
-Array = NDArray[np.float64]
+from perfqr_cad.geometry.arrays import Array
 
 DEGREE = 3
 
@@ -33,9 +30,11 @@ class Spline:
 
     def __call__(self, x: ArrayLike, derivative: int = 0) -> Array:
         """Values or derivatives (k, d) at k parameters; the end pieces extend beyond the domain."""
-        at = np.asarray(x, dtype=np.float64)
-        first, weights = _basis(self.knots, at, derivative)
-        return np.einsum("ki,kid->kd", weights, self.poles[first[:, None] + np.arange(DEGREE + 1)])
+        return np.asarray(self._compiled(x, nu=derivative), np.float64)
+
+    @cached_property
+    def _compiled(self) -> BSpline:
+        return BSpline(self.knots, self.poles, DEGREE)
 
 
 @dataclass(frozen=True)
@@ -48,8 +47,6 @@ class TensorSpline:
 
     @cached_property
     def _compiled(self) -> NdBSpline:
-        from scipy.interpolate import NdBSpline
-
         return NdBSpline((self.u_knots, self.v_knots), self.poles, DEGREE)
 
     def __call__(self, uv: Array, derivative: tuple[int, int] = (0, 0)) -> Array:
@@ -59,7 +56,13 @@ class TensorSpline:
 
 
 def interpolated(x: Array, values: Array) -> Spline:
-    """The not-a-knot cubic through (k, d) values at k ≥ 4 rising parameters."""
+    """The not-a-knot cubic through (k, d) values at k ≥ 4 rising parameters.
+
+    >>> x = np.linspace(0.0, 4.0, 5)
+    >>> cube = interpolated(x, x[:, None] ** 3)
+    >>> round(float(cube([2.5])[0, 0]), 9), round(float(cube([2.5], 1)[0, 0]), 9)
+    (15.625, 18.75)
+    """
     knots = not_a_knot(x)
     return Spline(knots, np.asarray(np.linalg.solve(collocation(knots, x), values), np.float64))
 
@@ -90,8 +93,7 @@ def tensor_fitted(function: Callable[[Array], Array], u_knots: Array, v_knots: A
 
 def refined_knots(knots: Array, pieces: int) -> Array:
     """Knots for what is made of a spline's derivatives, an offset say: inner knots doubled, since a
-    derivative is
-    less smooth there, and `pieces` equal pieces in each span."""
+    derivative is less smooth there, and `pieces` equal pieces in each span."""
     breaks = np.unique(knots)
     steps = [np.linspace(a, b, pieces + 1)[1:] for a, b in pairwise(breaks)]
     inner = np.concatenate([np.append(step, step[-1]) for step in steps])[:-2]
@@ -104,15 +106,33 @@ def not_a_knot(x: Array) -> Array:
 
 
 def collocation(knots: Array, x: Array) -> Array:
-    """Basis values (k, n) at k parameters."""
-    first, weights = _basis(knots, x, 0)
-    matrix = np.zeros((len(x), len(knots) - DEGREE - 1))
-    np.put_along_axis(matrix, first[:, None] + np.arange(DEGREE + 1), weights, axis=1)
-    return matrix
+    """Values (k, n) of all cubic basis functions at k parameters."""
+    # Rounding may put an abscissa of clamped knots beyond their end.
+    return np.asarray(BSpline.design_matrix(x, knots, DEGREE, extrapolate=True).toarray(), np.float64)
+
+
+def basis(knots: tuple[float, ...], degree: int, x: Array) -> tuple[Array, Array]:
+    """Values and slopes of all basis functions of a degree at k parameters, (k, n) each.
+
+    >>> values, slopes = basis((0.0, 0.0, 1.0, 1.0), 1, np.array([0.25]))
+    >>> values.tolist(), slopes.tolist()
+    ([[0.75, 0.25]], [[-1.0, 1.0]])
+    """
+    functions = _unit_splines(knots, degree)
+    return functions(x), functions(x, nu=1)
+
+
+@lru_cache(maxsize=64)
+def _unit_splines(knots: tuple[float, ...], degree: int) -> BSpline:
+    return BSpline(np.array(knots), np.eye(len(knots) - degree - 1), degree)
 
 
 def greville(knots: Array) -> Array:
-    """Abscissae (n,) whose values as poles make the spline the identity."""
+    """Abscissae (n,) whose values as poles make the spline the identity.
+
+    >>> greville(np.array([0.0, 0, 0, 0, 3, 3, 3, 3])).tolist()
+    [0.0, 1.0, 2.0, 3.0]
+    """
     return np.array([knots[i + 1 : i + DEGREE + 1].mean() for i in range(len(knots) - DEGREE - 1)])
 
 
@@ -123,36 +143,3 @@ def _both_ways(along_u: Array, along_v: Array, values: Array) -> Array:
     turned = np.swapaxes(half, 0, 1)
     whole = np.linalg.solve(along_v, turned.reshape(len(turned), -1)).reshape(turned.shape)
     return np.asarray(np.swapaxes(whole, 0, 1), np.float64)
-
-
-def _basis(knots: Array, x: Array, derivative: int) -> tuple[NDArray[np.int64], Array]:
-    """Index of the first non-zero basis function and the four values (k, 4): Cox-de Boor, vectorised."""
-    last = len(knots) - DEGREE - 2
-    span = np.clip(np.searchsorted(knots, x, side="right") - 1, DEGREE, last)
-    values = _values(knots, span, x, DEGREE - derivative)
-    for degree in range(DEGREE - derivative + 1, DEGREE + 1):
-        values = _differentiated(knots, span, values, degree)
-    return span - DEGREE, values
-
-
-def _values(knots: Array, span: NDArray[np.int64], x: Array, degree: int) -> Array:
-    values = np.ones((len(x), 1))
-    for p in range(1, degree + 1):
-        index = span[:, None] + np.arange(1 - p, 1)
-        left, right = knots[index], knots[index + p]
-        share = values / (right - left)
-        grown = np.zeros((len(x), p + 1))
-        grown[:, :-1] += share * (right - x[:, None])
-        grown[:, 1:] += share * (x[:, None] - left)
-        values = grown
-    return values
-
-
-def _differentiated(knots: Array, span: NDArray[np.int64], values: Array, degree: int) -> Array:
-    """Derivative weights of one degree from the (derivative) values of the degree below."""
-    index = span[:, None] + np.arange(1 - degree, 1)
-    share = values * degree / (knots[index + degree] - knots[index])
-    grown = np.zeros((len(values), degree + 1))
-    grown[:, :-1] -= share
-    grown[:, 1:] += share
-    return grown

@@ -1,4 +1,4 @@
-"""Flat faces cut in triangles, and triangles laid on a surface split until they keep to it."""
+"""Flat faces cut in triangles, and triangles mapped onto a surface split until they keep to it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.geometry.segments import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
+from perfqr_cad.geometry.triangles import directed_edges
 
 # The middle of a triangle strays by up to 4/3 of what its sides' middles do on a sphere.
 CAP_SHARE = 0.75
@@ -24,6 +25,9 @@ def delaunay(polygons: Sequence[Array]) -> Indices:
     """Constrained Delaunay triangles (m, 3), counter-clockwise, of the first polygon less the others.
 
     Indices count the corners of all polygons in turn. Raises `KernelError` when the polygons cross or touch.
+
+    >>> len(delaunay([np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [0.0, 2.0]])]))
+    2
     """
     outline = shapely.Polygon(polygons[0], list(polygons[1:]))
     if not outline.is_valid:
@@ -60,7 +64,7 @@ def _patched(outline: shapely.Polygon, polygons: Sequence[Array], points: Array)
     """
     rim = np.concatenate(_sides(polygons))
     kept = _uncrossed(outline, rim, points)
-    own = kept[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    own = directed_edges(kept)
     known = np.sort(_key(own))
     # Gaps have the sides of the outline on their left that no kept triangle has, and kept triangles around.
     bare = rim[~among(_key(rim), known)]
@@ -79,7 +83,7 @@ def _patched(outline: shapely.Polygon, polygons: Sequence[Array], points: Array)
 def _uncrossed(outline: shapely.Polygon, rim: Indices, points: Array) -> Indices:
     """The Delaunay triangles of all points that lie in the outline, to the left of its sides `rim` (n, 2)."""
     faces = _turned(_indexed(shapely.delaunay_triangles(shapely.MultiPoint(points)), points), points)
-    sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    sides = directed_edges(faces)
     either = np.sort(np.concatenate([_key(sides), _key(sides[:, ::-1])]))
     missing = points[rim[~among(_key(rim), either)]]
     tree = shapely.STRtree(np.asarray(shapely.polygons(points[faces])))
@@ -114,7 +118,7 @@ def _key(sides: Indices) -> Indices:
     return sides[:, 0] * BASE + sides[:, 1]
 
 
-def among(numbers: Indices, known: Indices) -> NDArray[np.bool_]:
+def among(numbers: Indices, known: Indices) -> Mask:
     """Whether numbers are among others, which are sorted; `numpy.isin` takes ten times as long."""
     return known[np.minimum(np.searchsorted(known, numbers), len(known) - 1)] == numbers
 
@@ -137,12 +141,12 @@ def _turned(faces: Indices, points: Array) -> Indices:
 def refined(
     uv: Array, faces: Indices, place: Callable[[Array], Array], chord_mm: float
 ) -> tuple[Array, Indices]:
-    """Split inner edges at their midpoints until the laid triangles keep the chord tolerance.
+    """Split inner edges at their midpoints until the mapped triangles keep the chord tolerance.
 
     Boundary edges are never split: the walls share them. Raises `KernelError` on a creased surface.
     """
     for _ in range(MOST_ROUNDS):
-        sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        sides = np.sort(directed_edges(faces), axis=1)
         keys, side, uses = np.unique(
             sides[:, 0] * len(uv) + sides[:, 1], return_inverse=True, return_counts=True
         )
@@ -161,10 +165,10 @@ def refined(
 
 
 def _sagitta(uv: Array, ends: Indices, place: Callable[[Array], Array]) -> Array:
-    """How far laid edges stray from their chords, at quarters: the middle alone is blind to an S."""
+    """How far mapped edges stray from their chords, at quarters: the middle alone is blind to an S."""
     start, end = uv[ends[:, 0]], uv[ends[:, 1]]
-    laid = place(uv)
-    first, last = laid[ends[:, 0]], laid[ends[:, 1]]
+    mapped = place(uv)
+    first, last = mapped[ends[:, 0]], mapped[ends[:, 1]]
     strays = [
         np.linalg.norm(place((1 - t) * start + t * end) - ((1 - t) * first + t * last), axis=1)
         for t in (0.25, 0.5, 0.75)

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from perfqr_cad.geometry.segments import Array
+from perfqr_cad.geometry.arrays import Array
 
 
 def crossing(p: Array, d: Array, q: Array, e: Array) -> Array:
-    """Where lines through p and q (k, 2) along d and e cross; not finite where they are parallel."""
+    """Where lines through p and q (k, 2) along d and e cross; not finite where they are parallel.
+
+    >>> crossing(*(np.array([v]) for v in ((0, 0), (1, 0), (3, 2), (0, 1)))).tolist()
+    [[3.0, 0.0]]
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         return p + d * (cross(q - p, e) / cross(d, e))[:, None]
 

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """A solid as tagged triangles, for questions that rays answer fast: what is hit, how thick, facing where."""
 
 from __future__ import annotations
@@ -9,16 +7,15 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
+from perfqr_cad.geometry.graph import components
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Face, TopoDS_Solid
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 CHORD_MM = 0.02  # greatest distance between mesh and solid: a tenth of a printed layer
 CHORD_SHARE = 1e-5  # of the diagonal: on a very large solid the mesh is coarser
@@ -31,24 +28,24 @@ WELD_MM = 1e-5
 class Crossings:
     """Where rays cross the surface, sorted by ray and then by distance; all (k,) but `normal` (k, 3)."""
 
-    ray: Index
+    ray: Indices
     distance_mm: Array
-    triangle: Index
+    triangle: Indices
     normal: Array
-    entering: NDArray[np.bool_]
+    entering: Mask
 
 
 @dataclass(frozen=True)
 class Body:
     """A closed mesh, the number of the face each triangle lies on, and unit normals at triangle corners.
 
-    `face_of` (m,) counts from 0; on a plain mesh 0 is outer surface and 1 the walls of cavities.
-    `corner_normals`
-    is (m, 3, 3). `faceted` tells a plain mesh.
+    face_of         (m,) counts from 0; on a plain mesh 0 is outer surface and 1 the walls of cavities
+    corner_normals  (m, 3, 3)
+    faceted         whether it is a plain mesh
     """
 
     triangles: Triangles
-    face_of: Index
+    face_of: Indices
     corner_normals: Array
     faceted: bool = False
 
@@ -85,8 +82,7 @@ class Body:
 
     def crossings(self, origins: Array, directions: Array) -> Crossings:
         """All crossings of rays (k, 3) with the surface, ahead of their origins; directions are unit
-        vectors.
-        """
+        vectors."""
         triangle, ray, at = self._rays.intersects_id(
             origins, directions, multiple_hits=True, return_locations=True
         )
@@ -115,10 +111,9 @@ class Body:
         triangle = int(np.argmin(np.linalg.norm(on - point, axis=1)))
         return triangle, on[triangle]
 
-    def samples(self, count: int, seed: int, faces: Index | None = None) -> tuple[Array, Array, Index]:
+    def samples(self, count: int, seed: int, faces: Indices | None = None) -> tuple[Array, Array, Indices]:
         """Points (count, 3) spread evenly over the surface (or some faces), normals, and numbers of their
-        faces.
-        """
+        faces."""
         weight = self.areas_mm2 if faces is None else self.areas_mm2 * np.isin(self.face_of, faces)
         random = np.random.default_rng(seed)
         triangle = random.choice(len(weight), count, p=weight / weight.sum())
@@ -128,7 +123,7 @@ class Body:
         points = a + u[:, None] * (b - a) + v[:, None] * (c - a)
         return points, self._normals_at(triangle, points), self.face_of[triangle]
 
-    def _normals_at(self, triangle: Index, at: Array) -> Array:
+    def _normals_at(self, triangle: Indices, at: Array) -> Array:
         """Corner normals interpolated at points of triangles."""
         a, b, c = np.moveaxis(self.triangles.vertices[self.triangles.faces[triangle]], 1, 0)
         flat = self.facet_normals[triangle]
@@ -142,8 +137,7 @@ class Body:
 
 def body_of_mesh(triangles: Triangles) -> Body:
     """A closed mesh with its facets' own normals; connected surfaces of negative volume bound cavities."""
-    label = connected(triangles.faces[:, [0, 1, 1, 2]].reshape(-1, 2), len(triangles.vertices))
-    surface = label[triangles.faces[:, 0]]
+    surface = triangles.vertex_components[triangles.faces[:, 0]]
     corners = triangles.vertices[triangles.faces] - triangles.vertices.mean(axis=0)
     volumes = np.bincount(
         surface, np.einsum("ki,ki->k", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2])
@@ -183,14 +177,13 @@ def body_of_solid(solid: TopoDS_Solid, faces: list[TopoDS_Face]) -> Body:
     return Body(mesh, np.concatenate(tags)[kept], np.concatenate(normals)[kept])
 
 
-def weld(vertices: Array, faces: Index, tolerance_mm: float) -> tuple[Triangles, NDArray[np.bool_]]:
+def weld(vertices: Array, faces: Indices, tolerance_mm: float) -> tuple[Triangles, Mask]:
     """Vertices closer than the tolerance made one; triangles that lose a corner are dropped (mask
-    returned).
-    """
+    returned)."""
     from scipy.spatial import cKDTree
 
     near = cKDTree(vertices).query_pairs(tolerance_mm, output_type="ndarray")
-    label = connected(near, len(vertices))
+    label = components(near, len(vertices))
     _, first, index = np.unique(label, return_index=True, return_inverse=True)
     corners = index[faces]
     kept = (
@@ -199,16 +192,7 @@ def weld(vertices: Array, faces: Index, tolerance_mm: float) -> tuple[Triangles,
     return Triangles(vertices[first], corners[kept]), kept
 
 
-def connected(pairs: Index, count: int) -> Index:
-    """Numbers of the connected groups that each of `count` nodes belongs to, given linked pairs (k, 2)."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    return connected_components(links, directed=False)[1]
-
-
-def _facets(face: TopoDS_Face) -> tuple[Array, Index, Array] | None:
+def _facets(face: TopoDS_Face) -> tuple[Array, Indices, Array] | None:
     """Nodes, outward triangles and outward node normals of one face."""
     from OCP.BRep import BRep_Tool
     from OCP.StdPrs import StdPrs_ToolTriangulatedShape

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from perfqr_cad.hosts.body import Array, Body, Index
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
+from perfqr_cad.hosts.body import Body
 
 
 @dataclass(frozen=True)
@@ -25,9 +26,9 @@ class Probe:
     offset_mm: Array
     wall_mm: Array
     normal: Array
-    front: Index
-    back: Index
-    hidden: NDArray[np.bool_]
+    front: Indices
+    back: Indices
+    hidden: Mask
 
 
 def probe(body: Body, points: Array, towards_reader: Array) -> Probe:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern.drawing.surround import NOTHING, Surround
+from perfqr_cad.pattern.surround import NOTHING, Surround
 
 Style = Literal["square", "rounded", "dots", "diamond", "bars"]
 FinderStrategy = Literal["panel", "diagonal", "recessed"]

@@ -2,20 +2,60 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from perfqr_cad import __version__
+from perfqr_cad.export.design_view import DesignView
 
 if TYPE_CHECKING:
     from perfqr_cad.capture import Capture
+    from perfqr_cad.export import FileRecord
     from perfqr_cad.geometry import Triangles
-    from perfqr_cad.pipeline.design import Design
-    from perfqr_cad.structure import SolidCheck
+    from perfqr_cad.pipeline.promises import Promise
+    from perfqr_cad.pipeline.request import Request
+    from perfqr_cad.scan import ScanReport
+    from perfqr_cad.structure import Reinforcement, SolidCheck, StressField
+    from perfqr_cad.symbol import Symbol
 
 
-def certificate(design: Design) -> dict[str, Any]:
+class Finished(DesignView, Protocol):
+    """What the certificate reads of a design: what exporters may read, and how it came to be."""
+
+    @property
+    def request(self) -> Request: ...
+
+    @property
+    def symbol(self) -> Symbol: ...
+
+    @property
+    def stress(self) -> StressField: ...
+
+    @property
+    def reinforcement(self) -> Reinforcement: ...
+
+    @property
+    def verified(self) -> SolidCheck | None: ...
+
+    @property
+    def scan(self) -> ScanReport: ...
+
+    @property
+    def promises(self) -> Sequence[Promise]: ...
+
+    @property
+    def mass_g(self) -> float: ...
+
+    @property
+    def files(self) -> Sequence[FileRecord]: ...
+
+    @property
+    def timings_s(self) -> Mapping[str, float]: ...
+
+
+def certificate(design: Finished) -> dict[str, Any]:
     """All sections, in the order of the chain."""
     return {
         "payload": payload_text(design),
@@ -25,6 +65,7 @@ def certificate(design: Design) -> dict[str, Any]:
         "structure": _structure(design),
         "solid": _solid(design),
         "scan": design.scan.as_dict(),
+        "promises": [promise.as_dict() for promise in design.promises],
         "files": [record.as_dict() for record in design.files],
         "timings_s": {step: round(seconds, 4) for step, seconds in design.timings_s.items()},
         "request": design.request.as_dict(),
@@ -32,7 +73,7 @@ def certificate(design: Design) -> dict[str, Any]:
     }
 
 
-def summary(design: Design) -> str:
+def summary(design: Finished) -> str:
     """A few lines for people."""
     pattern, stress, solid = design.pattern, design.stress, design.solid
     size = " × ".join(f"{high - low:.1f}" for low, high in zip(*solid.bbox_mm, strict=True))
@@ -45,7 +86,9 @@ def summary(design: Design) -> str:
             f"in 3-D    {checked.solid_stress_mpa:.3g} MPa, deflection {checked.solid_deflection_mm:.3g} mm, "
             "the walls taken as upright"
         )
+    weak = [f"WEAK      {design.reinforcement.status}: see strength below"]
     lines = [
+        *([] if design.reinforcement.strong else weak),
         f"payload   {payload_text(design)}",
         f"symbol    version {design.symbol.version}-{design.symbol.level}, mask {design.symbol.mask}, "
         f"L(Q) = {pattern.readability.total:.4g}",
@@ -59,11 +102,13 @@ def summary(design: Design) -> str:
         f"scan      read by {readers}",
     ]
     lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings, *design.scan.warnings)]
-    lines += [f"wrote     {record.path} ({record.bytes:,} bytes)" for record in design.files]
+    for record in design.files:
+        lines.append(f"wrote     {record.path} ({record.bytes:,} bytes)")
+        lines += [f"          {record.remarks}"] if record.remarks else []
     return "\n".join(lines)
 
 
-def payload_text(design: Design) -> str | None:
+def payload_text(design: Finished) -> str | None:
     """The payload as text; None for bytes in no known encoding."""
     from perfqr_cad.symbol import payload_of
 
@@ -99,12 +144,12 @@ def reading(capture: Capture) -> dict[str, Any]:
     }
 
 
-def _symbol(design: Design) -> dict[str, Any]:
+def _symbol(design: Finished) -> dict[str, Any]:
     symbol = design.symbol
     return {"version": symbol.version, "level": symbol.level, "mask": symbol.mask, "modules": symbol.size}
 
 
-def _readability(design: Design) -> dict[str, Any]:
+def _readability(design: Finished) -> dict[str, Any]:
     found = design.pattern.readability
     return {
         "loss": found.total,
@@ -117,7 +162,7 @@ def _readability(design: Design) -> dict[str, Any]:
     }
 
 
-def _connectivity(design: Design) -> dict[str, Any]:
+def _connectivity(design: Finished) -> dict[str, Any]:
     pattern = design.pattern
     return {
         "islands_before": pattern.islands_before,
@@ -126,6 +171,7 @@ def _connectivity(design: Design) -> dict[str, Any]:
             {"stage": b.stage, "start_mm": list(b.start), "end_mm": list(b.end), "width_mm": b.width_mm}
             for b in pattern.bridges
         ],
+        "area_mm2": pattern.region.area,
         "min_web_mm": pattern.spec.web_mm,
         "changed_area_mm2": pattern.changed_area_mm2,
         "edits": dict(pattern.edits),
@@ -135,18 +181,10 @@ def _connectivity(design: Design) -> dict[str, Any]:
 
 def _bodies(triangles: Triangles) -> int:
     """Separate pieces of the part's mesh: triangles that share a vertex belong together."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    faces = triangles.faces
-    edges = faces[:, [0, 1, 1, 2]].reshape(-1, 2)
-    count = len(triangles.vertices)
-    graph = coo_array((np.ones(len(edges), bool), (edges[:, 0], edges[:, 1])), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
-    return len(np.unique(label[faces]))
+    return len(np.unique(triangles.vertex_components[triangles.faces]))
 
 
-def _structure(design: Design) -> dict[str, Any]:
+def _structure(design: Finished) -> dict[str, Any]:
     stress, loop = design.stress, design.reinforcement
     return {
         "material": stress.material,
@@ -182,7 +220,7 @@ def _solid_check(found: SolidCheck) -> dict[str, Any]:
     }
 
 
-def _solid(design: Design) -> dict[str, Any]:
+def _solid(design: Finished) -> dict[str, Any]:
     solid = design.solid
     return {
         "valid": solid.valid,

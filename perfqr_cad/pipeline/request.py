@@ -1,145 +1,250 @@
-"""What a user can ask for, checked once."""
+"""What a user can ask for: one declaration per setting, from which everything else comes.
+
+A field of `Request` named `size_mm` is the option `--size` and the parameter `size` of a template: the three
+differ by the unit alone. Its declaration holds meaning, range, group and what happens where nothing is
+given; the options of `perfqr make`, the parameters that templates share, `perfqr params`, the JSON Schema,
+docs/settings.md and `help(make)` are made from it. A new setting is one field here and the code that obeys.
+"""
 
 from __future__ import annotations
 
-import contextlib
-import math
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.pipeline.parameter import Parameter
+from perfqr_cad.pipeline.setting import declarations, listed, setting
+
+MOST_LETTERS = 7089  # of a payload, all digits: version 40-L, ISO/IEC 18004 Table 7
+MOST_CAPTION = 500  # letters that a frame could bear
 
 
 @dataclass(frozen=True)
 class Request:
-    """Every setting of a part. Lengths in mm, pressure and stress in MPa, angles in degrees.
+    """Every setting of a part.
 
-    text, image      the payload, or a picture of an artistic code; exactly one of them
-    mask             0 to 7; None: the one that needs the least joining
-    size_mm          edge of the whole code with its quiet zone; None: the smallest the nozzle can make
-    pressure_mpa     on the whole front; finger_n: force of a fingertip at the worst place; own_weight: the
-                     part lies flat. They act together
-    yield_mpa        None: the material's own
-    fillet_mm        radius of re-entrant corners; None: half the nozzle
-    colour, ground   of the part and of what lies behind it: a name or #rrggbb; None: white before black, or
-                     black before white for the inverted tone
-    frame_mm         width of a frame around the quiet zone; corner_radius_mm rounds its outer corners
-    holes_mm         mounting holes in it: (x, y, diameter) each, from the centre of the code
-    corner_hole_mm   diameter of four mounting holes in its corners; None: none
-    caption          a line of text on the frame below the code, letters caption_height_mm high (None: half of
-                     the frame) that stand caption_relief_mm out of the face; below 0: engraved so deep
-    backing_mm       thickness of a plate backing_gap_mm behind, in the tone of the holes; None: none
-    draft_deg        flare of the hole walls towards the back, behind a straight lip of lip_mm; None: plates
-                     with through-holes flare as far as it helps the reader, all else is straight
-    depth_mm         depth of blind pockets instead of through-holes; None: through
-    verify_solid     whether the strength is checked once more in three dimensions
-    scan_tilt_deg    tilt at which the part must still read; None: nothing is asked beyond the frontal view
+    Raises `DesignError` for values that cannot be meant; each layer checks its own more closely."""
 
-    Raises `DesignError` for values that cannot be meant; each layer checks its own more closely.
-    """
+    text: str | None = setting(
+        None,
+        "the text of the code",
+        group="Code",
+        empty="the picture's",
+        max_length=MOST_LETTERS,
+        visible=True,
+        example="https://example.com",
+    )
+    image: str | None = setting(
+        None, "a picture of a code, instead of a text", group="Code", empty="none", visible=True
+    )
+    level: str = setting(
+        "M", "error correction level", group="Code", choices=("L:7 %", "M:15 %", "Q:25 %", "H:30 %")
+    )
+    version: int | None = setting(
+        None, "symbol version", group="Code", range=(1, 40), empty="the smallest that fits"
+    )
+    mask: int | None = setting(
+        None, "mask of the symbol", group="Code", range=(0, 7), empty="the one that needs the least joining"
+    )
+    size_mm: float | None = setting(
+        None,
+        "edge of the whole code with its quiet zone",
+        group="Code",
+        range=(1.0, 10_000.0),
+        empty="the smallest that the nozzle makes",
+    )
+    quiet_modules: int = setting(4, "light margin around the code", group="Code", range=(1, 20))
+    style: str = setting(
+        "square",
+        "shape of the modules",
+        group="Look",
+        choices=("square", "rounded", "dots", "diamond", "bars"),
+    )
+    fillet_mm: float | None = setting(
+        None, "radius of re-entrant corners", group="Look", range=(0.0, 100.0), empty="half the nozzle"
+    )
+    tone: str = setting(
+        "normal",
+        "which modules are material",
+        group="Look",
+        choices=("normal:light modules", "inverted:dark modules"),
+    )
+    contour: str = setting(
+        "smooth",
+        "edges of free-form art",
+        group="Look",
+        choices=("smooth:curves", "exact:the pixels' own"),
+    )
+    finder: str = setting(
+        "recessed",
+        "how the finder rings are held",
+        group="Look",
+        choices=("recessed:at the back", "panel:flush bars", "diagonal:four corner bars"),
+    )
+    objective: str = setting(
+        "optimal",
+        "how bridges are chosen",
+        group="Look",
+        choices=("optimal:fewest and least harmful", "paper:Eq. (4)", "mst:Eq. (4) with λ = 0"),
+    )
+    nozzle_mm: float = setting(
+        0.4, "width of one printed line or of the kerf", group="Walls", range=(0.01, 10.0)
+    )
+    draft_deg: float | None = setting(
+        None,
+        "flare of the hole walls towards the back",
+        group="Walls",
+        range=(0.0, 60.0),
+        empty="plates with through-holes flare as far as it helps the reader, all else is straight",
+    )
+    lip_mm: float | None = setting(
+        None,
+        "straight lip in front of flared walls",
+        group="Walls",
+        range=(0.0, 500.0),
+        empty="suits the flare",
+    )
+    depth_mm: float | None = setting(
+        None,
+        "depth of blind pockets instead of through-holes",
+        group="Walls",
+        range=(0.01, 500.0),
+        empty="through",
+    )
+    thickness_mm: float = setting(1.6, "thickness of the plate", group="Body", range=(0.05, 500.0))
+    frame_mm: float = setting(
+        0.0, "width of a frame around the quiet zone", group="Body", range=(0.0, 1000.0)
+    )
+    corner_radius_mm: float = setting(0.0, "radius of the outer corners", group="Body", range=(0.0, 1000.0))
+    hole_mm: tuple[tuple[float, ...], ...] = setting(
+        (),
+        "mounting holes in the frame, from the centre of the code",
+        group="Body",
+        lengths=(1, 3),
+        form="a diameter for one hole in each corner, or x,y,diameter, mm; several with ; between",
+    )
+    caption: str | None = setting(
+        None,
+        "a line of text on the frame below the code",
+        group="Body",
+        empty="none",
+        max_length=MOST_CAPTION,
+        visible=True,
+    )
+    caption_height_mm: float | None = setting(
+        None,
+        "height of the caption's capital letters",
+        group="Body",
+        range=(0.1, 1000.0),
+        empty="half of the frame",
+    )
+    caption_relief_mm: float = setting(
+        0.4,
+        "how far letters stand out of the face; below 0 they are engraved",
+        group="Body",
+        range=(-100.0, 100.0),
+    )
+    backing_mm: float | None = setting(
+        None,
+        "thickness of a plate behind the part, in the tone of the holes",
+        group="Body",
+        range=(0.05, 500.0),
+        empty="none",
+    )
+    gap_mm: float = setting(0.0, "gap before the backing", group="Body", range=(0.0, 500.0))
+    material: str = setting(
+        "PLA",
+        "what the part is made of",
+        group="Strength",
+        choices=("PLA", "PETG", "ABS", "PA12", "resin", "aluminium", "steel", "stainless"),
+    )
+    pressure_mpa: float = setting(
+        5e-6,  # the paper's 5 Pa
+        "uniform pressure on the front",
+        group="Strength",
+        range=(0.0, 1000.0),
+    )
+    finger_n: float = setting(
+        0.0, "force of a fingertip at the worst place of the code", group="Strength", range=(0.0, 1e5)
+    )
+    own_weight: bool = setting(False, "the part lies flat and carries its own weight", group="Strength")
+    support: str = setting(
+        "clamped",
+        "how the code's square is held",
+        group="Strength",
+        choices=("clamped", "simple", "two-sides", "corners"),
+    )
+    yield_mpa: float | None = setting(
+        None, "yield stress", group="Strength", range=(1e-3, 1e5), empty="the material's own"
+    )
+    method: str = setting(
+        "optimal",
+        "how bridges for strength are chosen",
+        group="Strength",
+        choices=("optimal:fewest and least harmful", "paper:Algorithm 1"),
+    )
+    verify_solid: bool = setting(False, "check the strength once more in three dimensions", group="Strength")
+    colour: str | None = setting(
+        None,
+        "colour of the part: white, natural, yellow, orange, silver, red, green, blue, grey, black, #rrggbb",
+        group="Proof",
+        empty="white, or black for the inverted tone",
+    )
+    ground: str | None = setting(
+        None,
+        "colour behind it: white, black, red, green, blue, cyan, magenta, yellow, #rrggbb",
+        group="Proof",
+        empty="black, or white for the inverted tone",
+    )
+    scan_tilt_deg: float | None = setting(
+        None,
+        "tilt at which the part must still read",
+        group="Proof",
+        range=(1.0, 60.0),
+        empty="nothing is asked beyond the view from straight above",
+    )
+    require: str | None = setting(
+        None,
+        "decoders that must read the part, by name with commas between",
+        group="Proof",
+        empty="any two",
+        max_length=200,
+    )
+    accept_weak: bool = setting(
+        False, "write the part although it does not bear a load that was asked for", group="Proof"
+    )
+    accept_unread: bool = setting(
+        False, "write the part although it is not read as it should be", group="Proof"
+    )
+    seed: int = setting(0, "seed of everything random", group="Proof", range=(0, 2**32 - 1))
 
-    text: str | None = None
-    image: str | None = None
-    name: str = "perforated-qr"
-    level: str = "M"
-    version: int | None = None
-    mask: int | None = None
-    size_mm: float | None = None
-    thickness_mm: float = 1.6
-    nozzle_mm: float = 0.4
-    quiet_modules: int = 4
-    style: str = "square"
-    fillet_mm: float | None = None
-    tone: str = "normal"
-    colour: str | None = None
-    ground: str | None = None
-    frame_mm: float = 0.0
-    corner_radius_mm: float = 0.0
-    holes_mm: tuple[tuple[float, float, float], ...] = ()
-    corner_hole_mm: float | None = None
-    caption: str | None = None
-    caption_height_mm: float | None = None
-    caption_relief_mm: float = 0.4
-    backing_mm: float | None = None
-    backing_gap_mm: float = 0.0
-    finder: str = "recessed"
-    objective: str = "optimal"
-    contour: str = "smooth"
-    draft_deg: float | None = None
-    lip_mm: float | None = None
-    depth_mm: float | None = None
-    material: str = "PLA"
-    pressure_mpa: float = 5e-6  # the paper's 5 Pa
-    finger_n: float = 0.0
-    own_weight: bool = False
-    support: str = "clamped"
-    yield_mpa: float | None = None
-    method: str = "optimal"
-    verify_solid: bool = False
-    scan_tilt_deg: float | None = None
-    seed: int = 0
+    dxf: str = setting(
+        "r2000",
+        "version of DXF files",
+        group="Files",
+        choices=("r2000", "r12:for old programs"),
+    )
+    dxf_bridges: bool = setting(False, "draw bridges in DXF files, on a frozen layer", group="Files")
+    svg: str = setting(
+        "filled",
+        "kind of SVG files",
+        group="Files",
+        choices=("filled:a picture", "cut:hairlines in the colours of a cutter"),
+    )
 
     def __post_init__(self) -> None:
         if (self.text is None) == (self.image is None):
             raise DesignError("give either a text or a picture (--image FILE), not both and not neither")
-        if self.text == "":
-            raise DesignError("the text is empty: give at least 1 character")
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            if isinstance(value, float) and not math.isfinite(value):
-                raise DesignError(f"{entry.name}={value} is not a finite number: give one")
-        for name, low, high in _RANGES:
-            value = getattr(self, name)
-            if value is not None and not low <= value <= high:
-                raise DesignError(f"{name}={value:g} is outside {low:g} to {high:g}: choose a value within")
+        for declared in SETTINGS:
+            given = getattr(self, declared.field)
+            object.__setattr__(self, declared.field, declared.check(given, declared.field))
+        if len([hole for hole in self.hole_mm if len(hole) == 1]) > 1:
+            raise DesignError("hole: two diameters for the holes in the corners: give one, or x,y,diameter")
 
     def as_dict(self) -> dict[str, Any]:
         """The settings as plain JSON values."""
         return asdict(self)
 
 
-# Name, least, most. The ends are far beyond any printer, cutter or press; they catch slips of unit.
-_RANGES: tuple[tuple[str, float, float], ...] = (
-    ("version", 1, 40),
-    ("mask", 0, 7),
-    ("size_mm", 1.0, 10_000.0),
-    ("thickness_mm", 0.05, 500.0),
-    ("nozzle_mm", 0.01, 10.0),
-    ("quiet_modules", 1, 20),
-    ("fillet_mm", 0.0, 100.0),
-    ("frame_mm", 0.0, 1000.0),
-    ("corner_radius_mm", 0.0, 1000.0),
-    ("corner_hole_mm", 0.01, 100.0),
-    ("caption_height_mm", 0.1, 1000.0),
-    ("caption_relief_mm", -100.0, 100.0),
-    ("backing_mm", 0.05, 500.0),
-    ("backing_gap_mm", 0.0, 500.0),
-    ("draft_deg", 0.0, 60.0),
-    ("lip_mm", 0.0, 500.0),
-    ("depth_mm", 0.01, 500.0),
-    ("pressure_mpa", 0.0, 1000.0),
-    ("finger_n", 0.0, 1e5),
-    ("yield_mpa", 1e-3, 1e5),
-    ("scan_tilt_deg", 0.0, 60.0),
-)
-
-
-def read_holes(text: str) -> dict[str, Any]:
-    """Mounting holes as people write them: `3` for four in the corners, `0,35,4; 0,-35,4` for x, y, diameter.
-
-    The fields `holes_mm` and `corner_hole_mm` of a `Request`. Raises `DesignError` for anything else.
-    """
-    holes: list[tuple[float, ...]] = []
-    corner: float | None = None
-    for part in filter(None, (part.strip() for part in text.split(";"))):
-        numbers: list[float] = []
-        with contextlib.suppress(ValueError):
-            numbers = [float(number) for number in part.split(",")]
-        match numbers:
-            case [diameter]:
-                corner = diameter
-            case [x, y, diameter]:
-                holes.append((x, y, diameter))
-            case _:
-                raise DesignError(f"hole {part!r} is no diameter and no x,y,diameter: write 3 or 0,35,4 (mm)")
-    return {"holes_mm": tuple(holes), "corner_hole_mm": corner}
+SETTINGS: tuple[Parameter, ...] = declarations(Request)
+Request.__doc__ = f"{Request.__doc__}\n\n{listed(SETTINGS)}"

@@ -1,10 +1,10 @@
-"""A request in each layer's own terms."""
+"""A request in each layer's own terms: resolved once, before any long step."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import DesignError
@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from perfqr_cad.pattern import PatternSpec
     from perfqr_cad.profile import Backing, Caption, Walls
     from perfqr_cad.profile.colour import Colour
-    from perfqr_cad.scan import Look, Plan
+    from perfqr_cad.scan import Look, Schedule
     from perfqr_cad.scan.camera.look import RGB
     from perfqr_cad.structure import Case, Load
+    from perfqr_cad.structure.reinforcement.algorithm1 import Method
 
 # Walls of plates: they hide the least from aside, and printers still bear the overhang (docs/scan.md).
 DRAFT_DEG, LIP_MM = 15.0, 0.2
@@ -26,7 +27,73 @@ LAYER_SHARE = 0.75  # of its diameter: the thickest layer that a nozzle lays wel
 CAPTION_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
 
 
-def spec(request: Request) -> PatternSpec:
+@dataclass(frozen=True)
+class Terms:
+    """One value for each layer.
+
+    request   as it was asked, with the walls that it left open filled in
+    drawing   for `pattern`
+    walls     of the holes, for `profile` and `solid`
+    case      for `structure`; how far the walls flare is known once the part has a thickness: `case_in`
+    views, look   for `scan`
+    caption, backing, colour   what is written on the part, lies behind it, and the part's own colour in files
+    """
+
+    request: Request
+    drawing: PatternSpec
+    walls: Walls
+    case: Case
+    views: Schedule
+    look: Look
+    caption: Caption | None
+    backing: Backing | None
+    colour: Colour
+
+    @property
+    def method(self) -> Method:
+        """How bridges for strength are chosen."""
+        return self.request.method  # pyright: ignore[reportReturnType]  # `reinforce` refuses unknown names
+
+    def case_in(self, thickness_mm: float) -> Case:
+        """The strength case in a wall of that thickness, whose holes are wider at the back."""
+        return replace(self.case, flare_mm=self.walls.flare_mm(self.walls.reach_mm(thickness_mm)))
+
+
+def resolve(request: Request, *, plate: bool) -> Terms:
+    """The terms of a request. On a plate with through-holes, walls that it leaves open flare for the reader;
+    elsewhere they are straight.
+
+    Raises `DesignError` for walls, captions, colours and names that cannot be meant.
+    """
+    flares = plate and request.depth_mm is None and request.thickness_mm >= LEAST_FLARED_MM
+    draft_deg, lip_mm = (DRAFT_DEG, LIP_MM) if flares and request.draft_deg is None else (0.0, 0.0)
+    filled = replace(
+        request,
+        draft_deg=draft_deg if request.draft_deg is None else request.draft_deg,
+        lip_mm=lip_mm if request.lip_mm is None else request.lip_mm,
+    )
+    return resolved(filled, or_straight=request.draft_deg is None)
+
+
+def resolved(request: Request, *, or_straight: bool) -> Terms:
+    """The terms of a request that says how its walls run; `or_straight`: walls that can flare nowhere may be
+    straight instead."""
+    from perfqr_cad.profile import Walls
+
+    return Terms(
+        request=request,
+        drawing=_drawing(request),
+        walls=Walls(request.draft_deg or 0.0, request.lip_mm or 0.0, request.depth_mm, or_straight),
+        case=_case(request),
+        views=_views(request),
+        look=_look(request),
+        caption=_caption(request),
+        backing=_backing(request),
+        colour=_part_colour(request),
+    )
+
+
+def _drawing(request: Request) -> PatternSpec:
     """What the pattern is asked to be."""
     from perfqr_cad.pattern import Hole, PatternSpec, Surround
 
@@ -48,33 +115,14 @@ def spec(request: Request) -> PatternSpec:
         surround=Surround(
             frame_mm=request.frame_mm,
             corner_radius_mm=request.corner_radius_mm,
-            holes=tuple(Hole(*hole) for hole in request.holes_mm),
-            corner_hole_mm=request.corner_hole_mm,
+            holes=tuple(Hole(*hole) for hole in request.hole_mm if len(hole) > 1),
+            corner_hole_mm=next((hole[0] for hole in request.hole_mm if len(hole) == 1), None),
         ),
         seed=request.seed,
     )
 
 
-def settled(request: Request, *, plate: bool) -> Request:
-    """The request with the walls that it left open: flared for a plate with through-holes, else straight."""
-    flares = plate and request.depth_mm is None and request.thickness_mm >= LEAST_FLARED_MM
-    draft, lip = (DRAFT_DEG, LIP_MM) if flares and request.draft_deg is None else (0.0, 0.0)
-    return replace(
-        request,
-        draft_deg=draft if request.draft_deg is None else request.draft_deg,
-        lip_mm=lip if request.lip_mm is None else request.lip_mm,
-    )
-
-
-def walls(request: Request, *, or_straight: bool = False) -> Walls:
-    """How the walls of the holes run; straight where the request leaves them open, or nothing can flare and
-    `or_straight`."""
-    from perfqr_cad.profile import Walls
-
-    return Walls(request.draft_deg or 0.0, request.lip_mm or 0.0, request.depth_mm, or_straight)
-
-
-def caption(request: Request) -> Caption | None:
+def _caption(request: Request) -> Caption | None:
     """What is written on the frame."""
     from perfqr_cad.profile import Caption
 
@@ -86,7 +134,7 @@ def caption(request: Request) -> Caption | None:
     return Caption(request.caption, height, request.caption_relief_mm)
 
 
-def backing(request: Request) -> Backing | None:
+def _backing(request: Request) -> Backing | None:
     """The plate behind, in the tone that the holes are to have."""
     from perfqr_cad.profile import Backing
     from perfqr_cad.profile.colour import DARK, LIGHT
@@ -95,10 +143,10 @@ def backing(request: Request) -> Backing | None:
         return None
     plain = LIGHT if request.tone == "inverted" else DARK
     colour = plain if request.ground is None else _srgb(_colours(request)[1])
-    return Backing(request.backing_mm, request.backing_gap_mm, colour)
+    return Backing(request.backing_mm, request.gap_mm, colour)
 
 
-def loads(request: Request) -> tuple[Load, ...]:
+def _loads(request: Request) -> tuple[Load, ...]:
     """What pushes on the part, all at once."""
     from perfqr_cad.structure import Finger, Pressure, Weight
 
@@ -107,21 +155,20 @@ def loads(request: Request) -> tuple[Load, ...]:
     return (Pressure(request.pressure_mpa), *finger, *weight)
 
 
-def case(request: Request, flare_mm: float) -> Case:
+def _case(request: Request) -> Case:
     """What the part is asked to bear, its holes wider at the back by a flare on each side."""
     from perfqr_cad.structure import Case
 
     return Case.of(
-        loads(request),
+        _loads(request),
         material=request.material,
         support=request.support,
         nozzle_mm=request.nozzle_mm,
-        flare_mm=flare_mm,
         yield_mpa=request.yield_mpa,
     )
 
 
-def plan(request: Request) -> Plan:
+def _views(request: Request) -> Schedule:
     """The quick views; with a tilt that is asked for, as many sides and frames as in the full certificate."""
     from perfqr_cad.scan import FULL, QUICK
 
@@ -130,16 +177,16 @@ def plan(request: Request) -> Plan:
     return replace(FULL, tilts_deg=tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg})), backgrounds=())
 
 
-def look(request: Request) -> Look:
+def _look(request: Request) -> Look:
     """Colours of the part and of the ground behind it, which a backing brings near."""
     from perfqr_cad.scan import Look
 
-    gap = Look.gap_mm if request.backing_mm is None else request.backing_gap_mm
+    gap = Look.gap_mm if request.backing_mm is None else request.gap_mm
     material, ground = _colours(request)
     return Look(material=material, ground=ground, gap_mm=gap)
 
 
-def part_colour(request: Request) -> Colour:
+def _part_colour(request: Request) -> Colour:
     """sRGB of the part as files show it."""
     from perfqr_cad.profile.colour import DARK, LIGHT
 

@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.pipeline import resolve as terms
 
 if TYPE_CHECKING:
     from perfqr_cad.geometry import Triangles
     from perfqr_cad.pattern import Pattern
-    from perfqr_cad.pipeline.request import Request
+    from perfqr_cad.pipeline.resolve import Terms
     from perfqr_cad.profile import Backing, Caption, Walls
     from perfqr_cad.solid import Solid
     from perfqr_cad.surface import Placement
@@ -25,8 +24,9 @@ class Target(Protocol):
         """A dark body that the finished part sits on and that is seen through its holes, or None."""
         ...
 
-    def placement(self, size_mm: float) -> Placement:
-        """Where a code of this edge (with quiet zone and frame) lies. `DesignError` when it does not fit."""
+    def placement(self, size_mm: float, depth_mm: float | None = None) -> Placement:
+        """Where a code of this edge (with quiet zone and frame) lies, with pockets so deep or through-holes.
+        `DesignError` when it does not fit."""
         ...
 
     def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
@@ -50,7 +50,7 @@ class Sheet:
     def behind(self) -> None:
         """Nothing: the ground is seen through the holes."""
 
-    def placement(self, size_mm: float) -> Placement:
+    def placement(self, size_mm: float, depth_mm: float | None = None) -> Placement:
         """The surface, once its distortion is within the limit."""
         self.surface.check(size_mm)
         return self.surface
@@ -65,26 +65,45 @@ class Sheet:
         )
 
 
-def plate(request: Request) -> Sheet:
-    """The flat plate that a request means when no target is named."""
+@dataclass(frozen=True)
+class Site:
+    """A target and the place in it where the code lies."""
+
+    target: Target
+    placement: Placement
+
+    def solid(self, pattern: Pattern, terms: Terms) -> Solid:
+        """The finished part in its colour."""
+        return replace(self.target.solid(pattern, self.placement, terms.walls), colour=terms.colour)
+
+    def behind(self, solid: Solid) -> Triangles | None:
+        """The body that is seen through the holes. Behind a flat part a backing is but a near ground."""
+        flat = self.placement.is_flat or not solid.extras
+        return self.target.behind if flat else solid.extras[0].triangles
+
+
+def locate(target: Target | None, terms: Terms, extent_mm: float) -> Site:
+    """The place of a code of this extent in a target; without one, in a plate of the thickness asked for.
+
+    Raises `DesignError` where the code does not fit, or its walls do not fit the material there.
+    """
     from perfqr_cad.surface import Plane
 
-    return Sheet(Plane(request.thickness_mm))
+    furnished = _furnished(target or Sheet(Plane(terms.request.thickness_mm)), terms)
+    placement = furnished.placement(extent_mm, terms.walls.depth_mm)
+    terms.walls.require_fit(placement.thickness_mm)
+    return Site(furnished, placement)
 
 
-def dressed(target: Target, request: Request) -> Target:
+def _furnished(target: Target, terms: Terms) -> Target:
     """The target with the caption and the backing that are asked for, which only a sheet can have."""
     if isinstance(target, Sheet):
-        caption, backing = terms.caption(request), terms.backing(request)
-        return replace(target, caption=caption or target.caption, backing=backing or target.backing)
-    wishes = ("frame_mm", "corner_radius_mm", "holes_mm", "corner_hole_mm", "caption", "backing_mm")
-    if asked := [name for name in wishes if getattr(request, name)]:
+        return replace(
+            target, caption=terms.caption or target.caption, backing=terms.backing or target.backing
+        )
+    wishes = ("frame_mm", "corner_radius_mm", "hole_mm", "caption", "backing_mm")
+    if asked := [name for name in wishes if getattr(terms.request, name)]:
         raise DesignError(
             f"{', '.join(asked)}: a code in a part of your own has the part around it: leave these out"
         )
     return target
-
-
-def behind(target: Target, solid: Solid, placement: Placement) -> Triangles | None:
-    """The body that is seen through the holes. Behind a flat part a backing is but a near ground."""
-    return target.behind if placement.is_flat or not solid.extras else solid.extras[0].triangles

@@ -9,8 +9,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from perfqr_cad.pipeline import resolve as terms
-from perfqr_cad.pipeline.request import Request
+from perfqr_cad.pipeline.resolve import Terms, resolved
 from perfqr_cad.progress import tell
 
 if TYPE_CHECKING:
@@ -26,23 +25,22 @@ THICKNESS_SHARES = (1.0, 0.875, 0.75, 0.625, 0.5)
 THINNEST_MM = 0.8
 
 
-def for_reader(
-    request: Request, drawn: Pattern, payload: bytes, thickness_mm: float, *, plate: bool
-) -> Request:
-    """The request with the walls (and, on a plate, the thickness) that read best at `scan_tilt_deg`.
+def for_reader(terms: Terms, drawn: Pattern, thickness_mm: float, *, plate: bool) -> Terms:
+    """The terms with the walls (and, on a plate, the thickness) that read best at `scan_tilt_deg`.
 
     thickness_mm   of the wall that the code is carved into
     plate          whether that may become thinner
 
-    Bent walls are judged as if they were flat: what walls hide is the same. The request comes back unchanged
+    Bent walls are judged as if they were flat: what walls hide is the same. The terms come back unchanged
     when the part reads at that tilt as it is, or when nothing that was tried reads better.
     """
     from perfqr_cad import scan
+    from perfqr_cad.symbol import payload_of
 
+    request, walls = terms.request, terms.walls
     assert request.scan_tilt_deg is not None
     tell("tune for the reader")
     lips_mm = sorted({min(lip, thickness_mm / 2) for lip in LIPS_MM})
-    walls = terms.walls(request)
     start = {
         "draft_deg": walls.draft_deg,
         "lip_mm": min(walls.lip_mm, thickness_mm / 2),
@@ -55,12 +53,14 @@ def for_reader(
 
     def stage(settings: Mapping[str, float]) -> Scene:
         walls = {"draft_deg": settings["draft_deg"], "lip_mm": settings["lip_mm"]}
-        return scan.drawn(drawn, settings["thickness_mm"], **walls)
+        return scan.plate_scene(drawn, settings["thickness_mm"], **walls)
 
+    payload = payload_of(drawn.symbol).data
     goal = scan.Goal(drawn.symbol.matrix, drawn.module_mm, payload, request.scan_tilt_deg)
     weighs_most = "thickness_mm" if plate else "draft_deg"
     best, _ = scan.improve(stage, start, choices, goal, weighs_most=weighs_most)
-    return replace(request, **(best.settings if plate else _walls(best.settings)))
+    found = replace(request, **(best.settings if plate else _walls(best.settings)))
+    return resolved(found, or_straight=walls.or_straight)
 
 
 def _walls(settings: Mapping[str, float]) -> dict[str, float]:

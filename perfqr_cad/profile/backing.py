@@ -11,8 +11,8 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Circle, Loop, Region
 from perfqr_cad.profile.colour import DARK, Colour
+from perfqr_cad.profile.loft import Level, Loft
 from perfqr_cad.profile.sections import Sections, halved
-from perfqr_cad.profile.well import Level, Well
 from perfqr_cad.surface import Placement
 
 PROBES = 21  # lines each way at which a bent wall is asked whether it goes on so far behind
@@ -23,6 +23,10 @@ class Backing:
     """A plate that follows the back of the part.
 
     gap_mm  between the back of the part and the plate; 0: touching
+
+    >>> Backing(thickness_mm=0.0)
+    Traceback (most recent call last):
+    perfqr_cad.errors.DesignError: a backing 0 mm thick: give a number above 0
     """
 
     thickness_mm: float = 1.0
@@ -41,8 +45,7 @@ class Backing:
 
     def sections(self, loops: tuple[Loop, ...], placement: Placement, whole_circles: bool) -> Sections:
         """Loops of the plate at its two faces. Raises `DesignError` where the wall bends too tightly for
-        it.
-        """
+        it."""
         near = placement.thickness_mm + self.gap_mm
         far = near + self.thickness_mm
         corners = loops[0].flatten()
@@ -54,5 +57,5 @@ class Backing:
                 "take a smaller gap or a thinner backing"
             )
         levels = Level(near, True), Level(far, True)
-        laid = [loop if whole_circles else halved(loop) for loop in loops]
-        return Sections(tuple(Well((loop, loop), levels) for loop in laid), genus=len(loops) - 1)
+        charted = [loop if whole_circles else halved(loop) for loop in loops]
+        return Sections(tuple(Loft((loop, loop), levels) for loop in charted), genus=len(loops) - 1)

@@ -16,8 +16,8 @@ import shapely
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import LEAST_MM, Bezier, Line, Loop, Point, Region, Segment
+from perfqr_cad.profile.loft import Level, Loft
 from perfqr_cad.profile.sections import Sections
-from perfqr_cad.profile.well import Level, Well
 
 if TYPE_CHECKING:
     from matplotlib.font_manager import FontProperties
@@ -62,8 +62,7 @@ class Caption:
 
     def below(self, pattern: Pattern, thickness_mm: float) -> tuple[Region, ...]:
         """The letters in the middle of the frame below the code. Raises `DesignError` where they do not
-        fit.
-        """
+        fit."""
         surround = pattern.spec.surround
         web = pattern.spec.web_mm
         letters = self.letters()
@@ -88,9 +87,9 @@ class Caption:
 
 def lettered(sections: Sections, letters: Sequence[Region], relief_mm: float) -> Sections:
     """The part with letters on the first piece of its front."""
-    known = [well.floor for well in sections.wells]
+    known = [loft.floor for loft in sections.lofts]
     number, piece = max(known, default=0), sections.pieces
-    wells: list[Well] = []
+    lofts: list[Loft] = []
     for letter in letters:
         number += 1
         for k, loop in enumerate(letter.loops):
@@ -99,12 +98,12 @@ def lettered(sections: Sections, letters: Sequence[Region], relief_mm: float) ->
             piece += k > 0
             if relief_mm > 0:
                 levels = Level(-relief_mm, True), Level(0.0, True)
-                wells.append(Well((loop, loop), levels, crest=number, piece=at))
+                lofts.append(Loft((loop, loop), levels, boss=number, piece=at))
             else:
                 levels = Level(0.0, True), Level(-relief_mm, True)
                 hole = loop.reversed()
-                wells.append(Well((hole, hole), levels, floor=number, piece=at))
-    return replace(sections, wells=(*sections.wells, *wells), pieces=piece)
+                lofts.append(Loft((hole, hole), levels, floor=number, piece=at))
+    return replace(sections, lofts=(*sections.lofts, *lofts), pieces=piece)
 
 
 def _check(letters: Sequence[Region], pattern: Pattern, web_mm: float) -> None:

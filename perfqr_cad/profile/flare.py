@@ -13,10 +13,11 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.offset import widened
 from perfqr_cad.geometry.outline import Arc, Loop, Region, Segment
 from perfqr_cad.geometry.rings import following, owners, starts_of
-from perfqr_cad.geometry.segments import Array, Indices, corners, pieces
+from perfqr_cad.geometry.segments import corners, pieces
 from perfqr_cad.geometry.vectors import left, unit
 
 WEB_CHORD_MM = 0.002  # curves are measured by chords this close
@@ -41,7 +42,7 @@ class Flared:
     set_back_mm: Array
 
 
-def settled(front: Sequence[Region], flare_mm: float, min_web_mm: float) -> list[Flared]:
+def flared_loops(front: Sequence[Region], flare_mm: float, min_web_mm: float) -> list[Flared]:
     """Each loop but the first outline at the back, tried out: its segments set back by `flare_mm`, or by what
     the webs and short edges bear. Both sides of a web give way alike.
 
@@ -182,7 +183,7 @@ class Outlines:
         """(k,) the next segment of the same loop."""
         return following(self.starts)
 
-    def _neighbours(self, first: Indices, second: Indices) -> NDArray[np.bool_]:
+    def _neighbours(self, first: Indices, second: Indices) -> Mask:
         """Pairs that meet at a corner, sharp or rounded: no web lies between them."""
         after = self._after
         rounded = np.array([isinstance(s, Arc) for s in self.segments])

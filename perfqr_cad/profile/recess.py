@@ -1,7 +1,7 @@
 """Bars that fill only the back of a wall: loops are cut where a bar ends, and joined around it below.
 
-The part is then of two storeys. Above the bars the front's own loops stand; below them stand the loops of
-front and bars together; each bar has a top between. Nothing is cut by the modeller.
+Above the bars the front's own loops then bound the part, below them the loops of front and bars together;
+each bar has a top between. Nothing is cut by the modeller.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Line, Loop, Point, Segment
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.pattern.bridge import LEAST_SLOT_MM
+from perfqr_cad.pattern.bridge import LEAST_SLOT_DEPTH_MM
 from perfqr_cad.profile.caps import Cap
-from perfqr_cad.profile.well import Level, Well
+from perfqr_cad.profile.loft import Level, Loft
 
 CLEAR_MM = 1e-3  # between a bar's side and the ends of the edge that it stands on
 ON_EDGE_MM = 1e-6  # between the end of a bar and the edge that it stands on
@@ -41,7 +41,7 @@ class Top:
 
     @property
     def cap(self) -> Cap:
-        """Its face, which no end of a well bounds."""
+        """Its face, which no end of a loft bounds."""
         return Cap(self.depth_mm, ())
 
 
@@ -69,10 +69,10 @@ class _Cut(NamedTuple):
 def top_depth_mm(bars: Sequence[Bridge], thickness_mm: float) -> float:
     """Depth of the bars' tops, all as high as the highest. Raises `NoRecess` where the wall is too thin."""
     height = max(bar.height_mm or 0.0 for bar in bars)
-    if thickness_mm - height < LEAST_SLOT_MM - ROUND:
+    if thickness_mm - height < LEAST_SLOT_DEPTH_MM - ROUND:
         raise NoRecess(
             f"the bars are flush with the face: {height:g} mm high in a wall of {thickness_mm:g} mm, they "
-            f"leave no slot of {LEAST_SLOT_MM:g} mm"
+            f"leave no slot of {LEAST_SLOT_DEPTH_MM:g} mm"
         )
     return thickness_mm - height
 
@@ -105,26 +105,26 @@ def landings(loops: Sequence[Loop], bars: Sequence[Bridge]) -> Landings:
 
 
 def recessed(
-    wells: Sequence[Well], bars: Sequence[Bridge], where: Landings, depth_mm: float
-) -> tuple[tuple[Well, ...], tuple[Top, ...]]:
-    """Wells and bar tops of a wall whose bars fill what is behind a depth.
+    lofts: Sequence[Loft], bars: Sequence[Bridge], where: Landings, depth_mm: float
+) -> tuple[tuple[Loft, ...], tuple[Top, ...]]:
+    """Lofts and bar tops of a wall whose bars fill what is behind a depth.
 
-    Wells that bars end on have a level there, and all of them the same levels. Raises `NoRecess` where a bar
+    Lofts that bars end on have a level there, and all of them the same levels. Raises `NoRecess` where a bar
     leaves its edges.
     """
-    levels = wells[next(iter(where))].levels
+    levels = lofts[next(iter(where))].levels
     k = [level.depth_mm for level in levels].index(depth_mm)
-    cuts = {w: _cuts(wells[w].stacks(), marks, bars) for w, marks in sorted(where.items())}
+    cuts = {w: _cuts(lofts[w].stacks(), marks, bars) for w, marks in sorted(where.items())}
     ends = {cut.mark: cut.stack for row in cuts.values() for cut in row if cut.mark is not None}
     sides = {mark: _side(stack, ends[mark.opposite]) for mark, stack in ends.items()}
-    above = {w: _storey([c.stack for c in row], levels, 0, k, wells[w].piece) for w, row in cuts.items()}
-    below = [_storey(stacks, levels, k, len(levels) - 1) for stacks in _joined(cuts, sides)]
+    above = {w: _between([c.stack for c in row], levels, 0, k, lofts[w].piece) for w, row in cuts.items()}
+    below = [_between(stacks, levels, k, len(levels) - 1) for stacks in _joined(cuts, sides)]
     tops = tuple(_top(ends, sides, bar, k, depth_mm) for bar in range(len(bars)))
-    return (*(above.get(w, well) for w, well in enumerate(wells)), *below), tops
+    return (*(above.get(w, loft) for w, loft in enumerate(lofts)), *below), tops
 
 
 def _cuts(stacks: list[Stack], marks: dict[int, list[Mark]], bars: Sequence[Bridge]) -> list[_Cut]:
-    """The stacks of a well, those under bars cut in three and more."""
+    """The stacks of a loft, those under bars cut in three and more."""
     found: list[_Cut] = []
     for s, stack in enumerate(stacks):
         found += _parted(stack, marks[s], bars) if s in marks else [_Cut(stack)]
@@ -190,12 +190,12 @@ def _joined(cuts: dict[int, list[_Cut]], sides: dict[Mark, Stack]) -> list[list[
     return loops
 
 
-def _storey(
+def _between(
     stacks: Sequence[Stack], levels: tuple[Level, ...], first: int, last: int, piece: int = 0
-) -> Well:
-    """A well between two of the levels, as a part of the well through them all."""
+) -> Loft:
+    """A loft between two of the levels, as a part of the loft through them all."""
     loops = tuple(Loop(segments) for segments in zip(*stacks, strict=True))
-    return Well(loops[first : last + 1], levels[first : last + 1], piece=piece, part_of=Well(loops, levels))
+    return Loft(loops[first : last + 1], levels[first : last + 1], piece=piece, part_of=Loft(loops, levels))
 
 
 def _top(ends: dict[Mark, Stack], sides: dict[Mark, Stack], bar: int, k: int, depth_mm: float) -> Top:

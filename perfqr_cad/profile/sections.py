@@ -15,10 +15,10 @@ from perfqr_cad.geometry.offset import widened
 from perfqr_cad.geometry.outline import LEAST_MM, Arc, Circle, Loop, Region
 from perfqr_cad.pattern import Bridge
 from perfqr_cad.profile.caps import Cap, caps
-from perfqr_cad.profile.flare import Flared, settled
+from perfqr_cad.profile.flare import Flared, flared_loops
+from perfqr_cad.profile.loft import Level, Loft
 from perfqr_cad.profile.recess import Mark, Top, crossings, landings, recessed, top_depth_mm
 from perfqr_cad.profile.walls import Walls
-from perfqr_cad.profile.well import Level, Well
 
 # Steps from an edge to those that shorten it as they are set back; a rounded corner may lie between.
 BESIDE = (1, 2)
@@ -26,13 +26,13 @@ BESIDE = (1, 2)
 
 @dataclass(frozen=True)
 class Sections:
-    """What bounds a part: its wells, the first of them its rim, and the tops of its recessed bars.
+    """What bounds a part: its lofts, the first of them its rim, and the tops of its recessed bars.
 
     pieces  of the front face
     genus   number of through-holes of the solid; each bar but those that tie a piece on makes one more
     """
 
-    wells: tuple[Well, ...]
+    lofts: tuple[Loft, ...]
     tops: tuple[Top, ...] = ()
     pieces: int = 1
     genus: int = 0
@@ -40,18 +40,18 @@ class Sections:
     @property
     def between_mm(self) -> tuple[float, float]:
         """Depths of the front and the back of a part with a rim."""
-        rim = self.wells[0].part_of or self.wells[0]
+        rim = self.lofts[0].part_of or self.lofts[0]
         return rim.levels[0].depth_mm, rim.levels[-1].depth_mm
 
     @property
     def seam_mm(self) -> float | None:
-        """Depth of the bars' tops, where two storeys of walls meet."""
+        """Depth of the bars' tops, where the walls above and below meet."""
         return self.tops[0].depth_mm if self.tops else None
 
     @property
     def caps(self) -> tuple[Cap, ...]:
-        """Front, back, crests and floors."""
-        return caps(self.wells, self.between_mm[1], self.seam_mm)
+        """Front, back, tops of bosses and floors of pockets."""
+        return caps(self.lofts, self.between_mm[1], self.seam_mm)
 
 
 def sections(
@@ -79,7 +79,7 @@ def sections(
     reach = walls.reach_mm(thickness_mm)
     through = walls.depth_mm is None
     upright = {i for i, loop in enumerate(_loops(front)) if i == 0 or loop.segments[0] in mounts}
-    front = [Region(*_laid(region.loops, whole_circles)) for region in front]
+    front = [Region(*_charted(region.loops, whole_circles)) for region in front]
     flare = walls.flare_mm(reach)
     paths = _paths(front, flare, min_web_mm, rim)
     floors = [0] * len(paths) if through else _floors(front)
@@ -88,13 +88,13 @@ def sections(
     paths = [path.clear_of(bars, where[i]) if i in where else path for i, path in enumerate(paths)]
     top = top_depth_mm(bars, thickness_mm) if bars else reach
     depths = {0.0, walls.lip_mm, reach} if flare and walls.lip_mm > LEAST_MM else {0.0, reach}
-    wells: list[Well] = []
+    lofts: list[Loft] = []
     for i, (path, floor) in enumerate(zip(paths, floors, strict=True)):
         if i in upright and i not in where:
-            wells.append(path.well({0.0, thickness_mm}, Walls(), thickness_mm))
+            lofts.append(path.loft({0.0, thickness_mm}, Walls(), thickness_mm))
         else:
-            wells.append(path.well(depths | {top} if i in where else depths, walls, reach, top, floor))
-    joined, tops = recessed(wells, bars, where, top) if bars else (tuple(wells), ())
+            lofts.append(path.loft(depths | {top} if i in where else depths, walls, reach, top, floor))
+    joined, tops = recessed(lofts, bars, where, top) if bars else (tuple(lofts), ())
     holes = sum(len(region.holes) for region in front) if through else len(upright) - 1
     genus = holes + len(bars) - (len(front) - 1 if through else 0)
     return Sections(joined if rim else joined[1:], tops, len(front), genus)
@@ -164,14 +164,14 @@ class _Path:
                     flares[k] = min(flares[k], max(room / 2, 0.0))
         return replace(self, flared=Flared(widened([self.loop], flares)[0], flares))
 
-    def well(
+    def loft(
         self,
         depths_mm: set[float],
         walls: Walls,
         reach_mm: float,
         top_mm: float | None = None,
         floor: int = 0,
-    ) -> Well:
+    ) -> Loft:
         """The loop at some depths of walls that reach so far; faces lie at both ends and at the tops."""
         levels = tuple(Level(depth, depth in (0.0, top_mm, reach_mm)) for depth in sorted(depths_mm))
         loops: list[Loop] = []
@@ -183,7 +183,7 @@ class _Path:
                 loops.append(self.flared.loop)
             else:
                 loops += widened([self.loop], self.flared.set_back_mm, share)
-        return Well(tuple(loops), levels, floor, piece=self.piece)
+        return Loft(tuple(loops), levels, floor, piece=self.piece)
 
 
 def _paths(front: Sequence[Region], flare_mm: float, min_web_mm: float, rim: bool) -> list[_Path]:
@@ -194,7 +194,7 @@ def _paths(front: Sequence[Region], flare_mm: float, min_web_mm: float, rim: boo
         outer = front[0].outer
         if not rim:
             outer = _around([loop for loop, _ in loops[1:]], 2 * flare_mm + min_web_mm)
-        flared[1:] = settled([Region(outer, front[0].holes), *front[1:]], flare_mm, min_web_mm)
+        flared[1:] = flared_loops([Region(outer, front[0].holes), *front[1:]], flare_mm, min_web_mm)
     return [_Path(loop, piece, far) for (loop, piece), far in zip(loops, flared, strict=True)]
 
 
@@ -205,7 +205,7 @@ def _around(loops: Sequence[Loop], margin_mm: float) -> Loop:
     return Loop.from_points([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
 
 
-def _laid(loops: Sequence[Loop], whole_circles: bool) -> tuple[Loop, tuple[Loop, ...]]:
+def _charted(loops: Sequence[Loop], whole_circles: bool) -> tuple[Loop, tuple[Loop, ...]]:
     """The loops, lone circles cut in two half-circles where the chart wants it so; first and others."""
     first, *others = (loop if whole_circles else halved(loop) for loop in loops)
     return first, tuple(others)

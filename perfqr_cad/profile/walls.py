@@ -19,6 +19,12 @@ class Walls:
     lip_mm      straight piece behind the front before the flare begins
     depth_mm    None for through-holes; else the depth of blind pockets, which leave a floor at the back
     or_straight whether walls that cannot flare anywhere are straight instead, which is noted, not an error
+
+    >>> pockets = Walls(depth_mm=0.8)
+    >>> pockets.reach_mm(2.0), Walls().reach_mm(2.0)
+    (0.8, 2.0)
+    >>> round(Walls(draft_deg=45, lip_mm=0.5).flare_mm(2.0), 9)
+    1.5
     """
 
     draft_deg: float = 0.0

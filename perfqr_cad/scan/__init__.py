@@ -1,4 +1,8 @@
-"""The simulated camera and the panel of decoders: proof that a part scans, before it is made."""
+"""The simulated camera and the panel of decoders: proof that a part scans, before it is made.
+
+Triangles or a pattern come in, a `ScanReport` goes out: `camera` makes pictures, `decoding` reads them, the
+modules here decide what is filmed and what it proves. Nothing here builds or changes a part.
+"""
 
 from __future__ import annotations
 
@@ -6,29 +10,29 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.scan.camera.look import BLACK, WHITE, Light, Look, Optics
-from perfqr_cad.scan.report import DecoderResult, ScanReport, Sight
+from perfqr_cad.scan.report import DecoderResult, FilmedView, ScanReport
 
 if TYPE_CHECKING:
-    from perfqr_cad.scan.camera.camera import Camera, Target, View
+    from perfqr_cad.scan.camera.camera import Camera, CodeFrame, View
     from perfqr_cad.scan.camera.flat import FlatPrint, printed
-    from perfqr_cad.scan.camera.placing import Part, load_mesh, place
+    from perfqr_cad.scan.camera.placing import FilmedPart, load_mesh, place
+    from perfqr_cad.scan.camera.preview import plate_scene
     from perfqr_cad.scan.camera.scene import Scene
-    from perfqr_cad.scan.camera.unbuilt import drawn
     from perfqr_cad.scan.decoding.panel import Panel
     from perfqr_cad.scan.filed import part
-    from perfqr_cad.scan.proof import FULL, QUICK, Plan, certify, reads
+    from perfqr_cad.scan.proof import FULL, QUICK, Schedule, certify, reads
     from perfqr_cad.scan.search import Goal, Trial, improve
     from perfqr_cad.scan.surrogate import Legibility, legibility
 
 _MODULES = {
-    "camera.camera": ("Camera", "Target", "View"),
+    "camera.camera": ("Camera", "CodeFrame", "View"),
     "camera.flat": ("FlatPrint", "printed"),
-    "camera.placing": ("Part", "load_mesh", "place"),
+    "camera.placing": ("FilmedPart", "load_mesh", "place"),
     "camera.scene": ("Scene",),
-    "camera.unbuilt": ("drawn",),
+    "camera.preview": ("plate_scene",),
     "decoding.panel": ("Panel",),
     "filed": ("part",),
-    "proof": ("FULL", "QUICK", "Plan", "certify", "reads"),
+    "proof": ("FULL", "QUICK", "Schedule", "certify", "reads"),
     "search": ("Goal", "Trial", "improve"),
     "surrogate": ("Legibility", "legibility"),
 }
@@ -36,9 +40,36 @@ _MODULES = {
 _LAZY = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
-    "BLACK", "FULL", "QUICK", "WHITE", "Camera", "DecoderResult", "FlatPrint", "Goal", "Legibility", "Light",
-    "Look", "Optics", "Panel", "Part", "Plan", "ScanReport", "Scene", "Sight", "Target", "Trial", "View",
-    "certify", "drawn", "improve", "legibility", "load_mesh", "part", "place", "printed", "reads",
+    "BLACK",
+    "FULL",
+    "QUICK",
+    "WHITE",
+    "Camera",
+    "CodeFrame",
+    "DecoderResult",
+    "FilmedPart",
+    "FilmedView",
+    "FlatPrint",
+    "Goal",
+    "Legibility",
+    "Light",
+    "Look",
+    "Optics",
+    "Panel",
+    "ScanReport",
+    "Scene",
+    "Schedule",
+    "Trial",
+    "View",
+    "certify",
+    "improve",
+    "legibility",
+    "load_mesh",
+    "part",
+    "place",
+    "plate_scene",
+    "printed",
+    "reads",
 ]  # fmt: skip
 
 

@@ -58,15 +58,11 @@ def turned(
 
 def _frontmost(triangles: Triangles) -> Triangles:
     """The bodies of a file without those that lie wholly behind the highest one, seen along z."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     faces, heights = np.asarray(triangles.faces, np.int64), np.asarray(triangles.vertices, float)[:, 2]
     if len(faces) == 0:
         return triangles
-    joined = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    links = coo_array((np.ones(len(joined), np.int8), joined.T), shape=(len(heights),) * 2)
-    count, body = connected_components(links, directed=False)
+    body = triangles.vertex_components
+    count = int(body.max()) + 1
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(low, body, heights)
     np.maximum.at(high, body, heights)

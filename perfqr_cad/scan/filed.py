@@ -13,7 +13,7 @@ from perfqr_cad.scan.camera.placing import load_mesh
 from perfqr_cad.scan.decoding.decoders import accepted
 from perfqr_cad.scan.decoding.panel import shared
 from perfqr_cad.scan.facing import turned
-from perfqr_cad.scan.proof import FULL, Plan, certify
+from perfqr_cad.scan.proof import FULL, Schedule, certify
 from perfqr_cad.scan.report import ScanReport
 from perfqr_cad.surface import Placement
 
@@ -29,7 +29,7 @@ def part(
     *,
     mesh_step: Callable[[Path], Triangles] | None = None,
     placement: Placement | None = None,
-    plan: Plan = FULL,
+    schedule: Schedule = FULL,
     decoders: tuple[str, ...] | None = None,
     seed: int = 0,
 ) -> ScanReport:
@@ -56,7 +56,9 @@ def part(
     if placement is None:
         right = None if text is None else accepted(text)
         triangles, behind, notes = turned(triangles, shared(decoders), right)
-    report = certify(triangles, placement, None, text, plan=plan, decoders=decoders, seed=seed, behind=behind)
+    report = certify(
+        triangles, placement, None, text, schedule=schedule, decoders=decoders, seed=seed, behind=behind
+    )
     return replace(report, warnings=(*report.warnings, *notes))
 
 

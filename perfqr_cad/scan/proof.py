@@ -22,7 +22,7 @@ from perfqr_cad.scan.camera.scene import Scene, jittered
 from perfqr_cad.scan.colours import BACKGROUNDS, contrast, contrast_warning
 from perfqr_cad.scan.decoding.decoders import CORE, accepted
 from perfqr_cad.scan.decoding.panel import Panel, shared
-from perfqr_cad.scan.report import DecoderResult, ScanReport, Sight
+from perfqr_cad.scan.report import DecoderResult, FilmedView, ScanReport
 from perfqr_cad.surface import Placement
 from perfqr_cad.symbol import Matrix
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 # Whether a part reads at all must not hang on the noise of one frame, nor on one distance: who scans from
-# straight above moves the phone until it reads. Picture sizes of the frontal frames, of the plan's own.
+# straight above moves the phone until it reads. Picture sizes of the frontal frames, of the schedule's own.
 NEARER = (1.0, 1.25, 0.8, 1.25, 1.5)
 FRONTAL_FRAMES = len(NEARER)
 # The paper gives a scanner 2 s. A phone decodes ten frames and more in that time, of which these are tried.
@@ -40,7 +40,7 @@ SCANS = 2  # of every background
 
 
 @dataclass(frozen=True)
-class Plan:
+class Schedule:
     """Which views are filmed. Tilts rise from 0; each is filmed from every azimuth.
 
     frames   a view is missed when this many frames of an unsteady hand are; the frontal view always gets
@@ -60,7 +60,11 @@ class Plan:
         ]
 
     def views(self) -> list[View]:
-        """Every view, the frontal one once."""
+        """Every view, the frontal one once.
+
+        >>> [(view.tilt_deg, view.azimuth_deg) for view in Schedule((0.0, 30.0), (65.0, 205.0)).views()]
+        [(0.0, 65.0), (30.0, 65.0), (30.0, 205.0)]
+        """
         return [
             View(tilt, azimuth, size_px=self.size_px)
             for tilt in self.tilts_deg
@@ -69,8 +73,8 @@ class Plan:
 
 
 # Off the code's axes: walls of both directions show.
-QUICK = Plan((0.0, 20.0, 30.0), (65.0, 205.0), size_px=640)
-FULL = Plan(
+QUICK = Schedule((0.0, 20.0, 30.0), (65.0, 205.0), size_px=640)
+FULL = Schedule(
     (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0),
     (25.0, 115.0, 205.0, 295.0),
     frames=PATIENCE,
@@ -92,7 +96,7 @@ def certify(
     pattern: Pattern | None,
     payload: str | bytes | None,
     *,
-    plan: Plan = QUICK,
+    schedule: Schedule = QUICK,
     decoders: Sequence[str] | None = CORE,
     look: Look | None = None,
     seed: int = 0,
@@ -116,25 +120,25 @@ def certify(
     panel = shared(decoders)
     before = panel.losses
     if payload is None:
-        payload = _agreed(scene, look, panel, plan)
+        payload = _agreed(scene, look, panel, schedule)
     right = accepted(payload)
-    views = plan.views()
+    views = schedule.views()
     film = partial(reads, look=look, right=right, panel=panel, seed=seed)
-    patience = plan.patience()
+    patience = schedule.patience()
     read = film(scene, views, frames=patience, step="film the part")
-    on_paper = _flat_print(scene, pattern, look, plan)
+    on_paper = _flat_print(scene, pattern, look, schedule)
     flat_read = None
     if on_paper is not None:
         flat_read = film(on_paper, views, frames=patience, step="film the flat print")
-    colours = _backgrounds(scene, look, right, panel, plan, read[0], seed)
+    colours = _backgrounds(scene, look, right, panel, schedule, read[0], seed)
     results = {
         name: DecoderResult(
-            name, plan.tilts_deg, _rates(name, plan, views, read),
-            None if flat_read is None else _rates(name, plan, views, flat_read),
+            name, schedule.tilts_deg, _rates(name, schedule, views, read),
+            None if flat_read is None else _rates(name, schedule, views, flat_read),
         )
         for name in panel.names
     }  # fmt: skip
-    worst, first = _telling(scene, views, look, read, panel.names, seed)
+    worst, first = _extremes(scene, views, look, read, panel.names, seed)
     inverted = pattern is not None and pattern.spec.tone == "inverted"
     light, dark = (look.ground, look.material) if inverted else (look.material, look.ground)
     losses = panel.losses.since(before)
@@ -199,17 +203,19 @@ def _seed(seed: int, view: int, frame: int) -> int:
     return int(np.random.SeedSequence([seed, view, frame]).generate_state(1)[0])
 
 
-def _rates(name: str, plan: Plan, views: Sequence[View], read: Sequence[frozenset[str]]) -> tuple[float, ...]:
+def _rates(
+    name: str, schedule: Schedule, views: Sequence[View], read: Sequence[frozenset[str]]
+) -> tuple[float, ...]:
     """Share of the azimuths at each tilt that one decoder reads."""
-    hits = {tilt: [] for tilt in plan.tilts_deg}
+    hits = {tilt: [] for tilt in schedule.tilts_deg}
     for view, names in zip(views, read, strict=True):
         hits[view.tilt_deg].append(name in names)
     return tuple(float(np.mean(hit)) for hit in hits.values())
 
 
-def _agreed(scene: Scene, look: Look, panel: Panel, plan: Plan) -> bytes:
+def _agreed(scene: Scene, look: Look, panel: Panel, schedule: Schedule) -> bytes:
     """What the decoders that read the part from straight above say, if it is one thing."""
-    view = plan.views()[0]
+    view = schedule.views()[0]
     readings = panel.read(scene.photo(view, look))
     said = {payload for payloads in readings.values() for payload in payloads}
     if len(said) != 1:
@@ -220,12 +226,12 @@ def _agreed(scene: Scene, look: Look, panel: Panel, plan: Plan) -> bytes:
     return said.pop()
 
 
-def _flat_print(scene: Scene, pattern: Pattern | None, look: Look, plan: Plan) -> FlatPrint | None:
+def _flat_print(scene: Scene, pattern: Pattern | None, look: Look, schedule: Schedule) -> FlatPrint | None:
     """The same symbol on paper, of the same size."""
     if pattern is not None:
         return printed(pattern.symbol.matrix.dark, pattern.size_mm, quiet_modules=pattern.quiet_modules)
-    matrix = _matrix_seen(scene.photo(plan.views()[0], look))
-    return None if matrix is None else printed(matrix.dark, scene.part.target.edge_mm)
+    matrix = _matrix_seen(scene.photo(schedule.views()[0], look))
+    return None if matrix is None else printed(matrix.dark, scene.part.code.edge_mm)
 
 
 def _matrix_seen(picture: NDArray[np.uint8]) -> Matrix | None:
@@ -243,53 +249,51 @@ def _backgrounds(
     look: Look,
     right: frozenset[bytes],
     panel: Panel,
-    plan: Plan,
+    schedule: Schedule,
     readers: frozenset[str],
     seed: int,
 ) -> dict[str, float]:
     """Share of scans read on each ground, over the decoders that read the part frontally at all.
 
-    A scan is a frontal view by an unsteady hand, given as many frames as any other view of the plan.
+    A scan is a frontal view by an unsteady hand, given as many frames as any other view of the schedule.
     """
-    still = [View(size_px=plan.size_px)] * SCANS
+    still = [View(size_px=schedule.size_px)] * SCANS
     views = [jittered(view, np.random.default_rng([seed, k])) for k, view in enumerate(still)]
     rates: dict[str, float] = {}
-    for ground in plan.backgrounds:
+    for ground in schedule.backgrounds:
         there = replace(look, ground=BACKGROUNDS[ground])
-        frames = [plan.frames] * SCANS
+        frames = [schedule.frames] * SCANS
         read = reads(scene, views, there, right, panel, frames=frames, seed=seed, step=f"{ground} ground")
         rates[ground] = sum(len(names & readers) for names in read) / (SCANS * max(len(readers), 1))
     return rates
 
 
-def _telling(
+def _extremes(
     scene: Scene,
     views: Sequence[View],
     look: Look,
     read: Sequence[frozenset[str]],
     names: Sequence[str],
     seed: int,
-) -> tuple[Sight | None, Sight | None]:
+) -> tuple[FilmedView | None, FilmedView | None]:
     """The steepest view that all frontal readers still read, and the first that one of them misses."""
-    readers = read[0]
+    frontal = read[0]
     worst: int | None = None
     first: int | None = None
     for k in np.argsort([view.tilt_deg for view in views], kind="stable"):
-        if readers and readers <= read[k]:
+        if frontal and frontal <= read[k]:
             worst = int(k)
         elif first is None:
             first = int(k)
 
-    def sight(k: int | None) -> Sight | None:
+    def filmed(k: int | None) -> FilmedView | None:
         if k is None:
             return None
-        missed = tuple(name for name in names if name not in read[k])
         picture = scene.photo(views[k], look, seed=_seed(seed, k, 0))
-        return Sight(
-            picture, views[k].tilt_deg, views[k].azimuth_deg, tuple(n for n in names if n in read[k]), missed
-        )
+        readers = tuple(name for name in names if name in read[k])
+        return FilmedView(picture, views[k].tilt_deg, views[k].azimuth_deg, readers)
 
-    return sight(worst), sight(first)
+    return filmed(worst), filmed(first)
 
 
 def _text(payload: str | bytes) -> str | None:

@@ -60,14 +60,13 @@ def _limit(tilts: tuple[float, ...], rates: tuple[float, ...]) -> float | None:
 
 
 @dataclass(frozen=True)
-class Sight:
+class FilmedView:
     """A view worth a look: its picture, where it was taken from, and who read it."""
 
     picture: NDArray[np.uint8] = field(repr=False)
     tilt_deg: float
     azimuth_deg: float
     read_by: tuple[str, ...]
-    missed_by: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -84,8 +83,8 @@ class ScanReport:
     payload: str | None
     decoders: dict[str, DecoderResult]
     backgrounds: dict[str, float]
-    worst_read: Sight | None = None
-    first_missed: Sight | None = None
+    worst_read: FilmedView | None = None
+    first_missed: FilmedView | None = None
     advice: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     losses: Losses = field(default_factory=Losses)
@@ -116,12 +115,6 @@ class ScanReport:
             "advice": list(self.advice),
             "warnings": list(self.warnings),
         }
-
-    def heat_map(self) -> NDArray[np.uint8]:
-        """Decoders x tilts as a picture (H, W, 3): part on the left, flat print on the right."""
-        from perfqr_cad.scan.heatmap import draw
-
-        return draw(tuple(self.decoders.values()))
 
     def render(self) -> str:
         """The report as plain text."""

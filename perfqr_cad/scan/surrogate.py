@@ -44,11 +44,6 @@ class Legibility:
     ring: float
 
     @property
-    def misread(self) -> float:
-        """Share of modules on the wrong side."""
-        return float(np.mean(self.margins < 0))
-
-    @property
     def score(self) -> float:
         """One number to maximise: the 5 % weakest margins, and how far the rings stay closed."""
         weakest = float(np.quantile(self.margins, 0.05))
@@ -64,9 +59,9 @@ def legibility(
     """
     look = look or Look()
     n = len(matrix.dark)
-    if n * module_mm > scene.part.target.edge_mm * 1.001:
+    if n * module_mm > scene.part.code.edge_mm * 1.001:
         raise AnalysisError(
-            f"a symbol of {n * module_mm:.4g} mm does not fit a part of {scene.part.target.edge_mm:.4g} mm: "
+            f"a symbol of {n * module_mm:.4g} mm does not fit a part of {scene.part.code.edge_mm:.4g} mm: "
             "check the module size"
         )
     faces = [_seen(scene, n, module_mm, tilt_deg, azimuth, look) for azimuth in AZIMUTHS_DEG]
@@ -87,7 +82,7 @@ def _seen(
     step = module_mm / MODULE_PX
     first = (n * MODULE_PX - 1) / 2 * step
     to_plane = np.array([[step, 0, -first], [0, -step, first], [0, 0, 1.0]])
-    to_pixels = Camera(view, scene.part.target).homography(0.0) @ to_plane
+    to_pixels = Camera(view, scene.part.code).homography(0.0) @ to_plane
     size = (n * MODULE_PX, n * MODULE_PX)
     return warp(light, np.linalg.inv(to_pixels).astype(np.float64), size) / np.float32(look.light.on_front)
 

@@ -1,6 +1,7 @@
-"""Exact solids: a pattern carved into a wall of material, checked, meshed, written as STEP.
+"""Exact solids: a profile on a placement becomes a boundary, is proven, meshed and written as STEP.
 
-The modeller is heavy to load; names below that need it are imported on first use.
+`tables/` hold the boundary, `charts/` map the pattern into space, `kernel/` is the one room of the modeller.
+Nothing here chooses what is made: the profile does. Names that need the modeller are loaded on first use.
 """
 
 from __future__ import annotations
@@ -11,20 +12,19 @@ from typing import TYPE_CHECKING, Any
 from perfqr_cad.solid.shape import Solid
 
 if TYPE_CHECKING:
-    from perfqr_cad.solid.assemble import back, build, build_plan, build_region
+    from perfqr_cad.solid.assemble import back, build, build_profile
     from perfqr_cad.solid.step.reader import read_step
     from perfqr_cad.solid.step.write import write_step
 
 _HOMES = {
     "back": "assemble",
     "build": "assemble",
-    "build_plan": "assemble",
-    "build_region": "assemble",
+    "build_profile": "assemble",
     "read_step": "step.reader",
     "write_step": "step.write",
 }
 
-__all__ = ["Solid", "back", "build", "build_plan", "build_region", "read_step", "write_step"]
+__all__ = ["Solid", "back", "build", "build_profile", "read_step", "write_step"]
 
 
 def __getattr__(name: str) -> Any:

@@ -5,21 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from perfqr_cad.geometry import Triangles
-from perfqr_cad.geometry.outline import Region
 from perfqr_cad.profile.backing import Backing
 from perfqr_cad.profile.caption import Caption
 from perfqr_cad.profile.colour import LIGHT, Colour
-from perfqr_cad.profile.plan import Plan
+from perfqr_cad.profile.profile import Profile
 from perfqr_cad.profile.sections import Sections
 from perfqr_cad.profile.walls import Walls
 from perfqr_cad.solid.charts.chart import Chart
-from perfqr_cad.solid.charts.plane import PlaneChart
+from perfqr_cad.solid.charts.plane_chart import PlaneChart
 from perfqr_cad.solid.mesh import CHORD_MM, triangulate
 from perfqr_cad.solid.proof import flux
 from perfqr_cad.solid.proof.check import check
 from perfqr_cad.solid.proof.expected import volume_mm3
-from perfqr_cad.solid.shape import Corner, Solid
+from perfqr_cad.solid.shape import Solid
 from perfqr_cad.solid.stitch import panel
 from perfqr_cad.surface import Placement, Plane
 
@@ -47,30 +45,15 @@ def build(
 
     Raises `DesignError` for walls that cannot be made, `KernelError` for a bad solid.
     """
-    plan = plan_of(pattern)
+    profile = Profile.of(pattern)
     if caption is not None:
         letters = caption.below(pattern, placement.thickness_mm)
-        plan = replace(plan, letters=letters, relief_mm=caption.relief_mm)
-    return build_plan(plan, placement, walls, name=name, colour=colour, chord_mm=chord_mm)
+        profile = replace(profile, letters=letters, relief_mm=caption.relief_mm)
+    return build_profile(profile, placement, walls, name=name, colour=colour, chord_mm=chord_mm)
 
 
-def build_region(
-    region: Region,
-    placement: Placement,
-    walls: Walls | None = None,
-    *,
-    min_web_mm: float = 0.0,
-    name: str = "perforated-qr",
-    colour: Colour = LIGHT,
-    chord_mm: float = CHORD_MM,
-) -> Solid:
-    """The part of any region of the pattern plane, mm; otherwise as `build`."""
-    plan = Plan((region,), min_web_mm=min_web_mm)
-    return build_plan(plan, placement, walls, name=name, colour=colour, chord_mm=chord_mm)
-
-
-def build_plan(
-    plan: Plan,
+def build_profile(
+    profile: Profile,
     placement: Placement,
     walls: Walls | None = None,
     *,
@@ -78,11 +61,22 @@ def build_plan(
     colour: Colour = LIGHT,
     chord_mm: float = CHORD_MM,
 ) -> Solid:
-    """The part of a plan; otherwise as `build`."""
+    """The part of a profile; otherwise as `build`.
+
+    >>> from perfqr_cad.geometry import Loop, Region
+    >>> square = Region(Loop.from_points([(0, 0), (4, 0), (4, 4), (0, 4)]))
+    >>> part = build_profile(Profile((square,)), Plane(2.0))
+    >>> part.valid, part.faces, round(part.volume_mm3, 9)
+    (True, 6, 32.0)
+    """
     walls = walls or Walls()
-    stands, notes = plan.sections(placement.thickness_mm, walls, chart_of(placement).whole_circles)
-    solid = _stood(stands, placement, chord_mm)
-    return replace(solid, notes=notes, name=name, colour=colour)
+    sections, notes = profile.feasible_sections(
+        placement.thickness_mm, walls, whole_circles=chart_of(placement).whole_circles
+    )
+    solid = _assembled(sections, placement, chord_mm)
+    return replace(
+        solid, notes=notes, name=name, colour=colour, letters=profile.letters, relief_mm=profile.relief_mm
+    )
 
 
 def back(
@@ -94,39 +88,27 @@ def back(
     chord_mm: float = CHORD_MM,
 ) -> Solid:
     """The plate behind a part. Raises `DesignError` where the wall bends too tightly for it."""
-    plan = plan_of(pattern)
-    loops = backing.loops(plan.front[0], plan.mounts)
-    stands = backing.sections(loops, placement, chart_of(placement).whole_circles)
-    return replace(_stood(stands, placement, chord_mm), name=name, colour=backing.colour)
+    profile = Profile.of(pattern)
+    loops = backing.loops(profile.front[0], profile.mounts)
+    sections = backing.sections(loops, placement, chart_of(placement).whole_circles)
+    return replace(_assembled(sections, placement, chord_mm), name=name, colour=backing.colour)
 
 
-def plan_of(pattern: Pattern) -> Plan:
-    """What a pattern's own part is made of."""
-    mounts = pattern.spec.surround.all_holes(pattern.size_mm)
-    return Plan(
-        pattern.front,
-        pattern.recessed,
-        pattern.region,
-        pattern.spec.web_mm,
-        tuple(hole.circle for hole in mounts),
-    )
-
-
-def _stood(stands: Sections, placement: Placement, chord_mm: float) -> Solid:
+def _assembled(sections: Sections, placement: Placement, chord_mm: float) -> Solid:
     """The solid of some sections, measured and checked."""
     volume_tol = FLAT_VOLUME_TOL if placement.is_flat else CURVED_VOLUME_TOL
-    brep = panel(stands, chart_of(placement))
-    volume, expected = flux.volume_mm3(brep), volume_mm3(stands.wells, placement)
+    brep = panel(sections, chart_of(placement))
+    volume, expected = flux.volume_mm3(brep), volume_mm3(sections.lofts, placement)
     triangles = triangulate(
-        stands.wells,
-        stands.between_mm[1],
+        sections.lofts,
+        sections.between_mm[1],
         placement.at_depth,
-        tops=stands.tops,
+        tops=sections.tops,
         chord_mm=chord_mm,
         flat=placement.is_flat,
     )
     problems = check(
-        brep, genus=stands.genus, expected_volume_mm3=expected, volume_tol=volume_tol, volume_mm3=volume
+        brep, genus=sections.genus, expected_volume_mm3=expected, volume_tol=volume_tol, volume_mm3=volume
     )
     if not triangles.closed:
         problems = (*problems, "the triangles do not close")
@@ -140,16 +122,8 @@ def _stood(stands: Sections, placement: Placement, chord_mm: float) -> Solid:
         volume_mm3=volume,
         expected_volume_mm3=expected,
         problems=problems,
-        bbox_mm=_bounds(triangles),
+        bbox_mm=triangles.bounds_mm,  # exact on plates, within the chord elsewhere
     )
-
-
-def _bounds(triangles: Triangles) -> tuple[Corner, Corner]:
-    """Of the mesh: exact on plates, within the chord elsewhere."""
-    (x0, y0, z0), (x1, y1, z1) = (
-        f(axis=0).tolist() for f in (triangles.vertices.min, triangles.vertices.max)
-    )
-    return (x0, y0, z0), (x1, y1, z1)
 
 
 def chart_of(placement: Placement) -> Chart:

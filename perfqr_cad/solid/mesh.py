@@ -15,19 +15,20 @@ from typing import Protocol
 import numpy as np
 
 from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.outline import Point, Segment
 from perfqr_cad.geometry.rings import following, starts_of
-from perfqr_cad.geometry.segments import Array, Indices, corners, pieces, positions
+from perfqr_cad.geometry.segments import corners, pieces, positions
 from perfqr_cad.geometry.triangulation import delaunay, refined
 from perfqr_cad.profile.caps import caps
+from perfqr_cad.profile.loft import Loft
 from perfqr_cad.profile.recess import Top
-from perfqr_cad.profile.well import Well
 
 CHORD_MM = 0.01  # greatest distance between mesh and surface; a twentieth of a printed layer
 
 # Of the chord, for rings: finer than for the caps beside them, whose triangles would be split for ever else.
 RING_SHARE = 0.4
-PROBES = 32  # steps at which the bend of a laid segment is measured
+PROBES = 32  # steps at which the bend of a mapped segment is measured
 
 
 class Map(Protocol):
@@ -37,23 +38,23 @@ class Map(Protocol):
 
 
 @dataclass(frozen=True)
-class Ring:
-    """A flattened well: one (n, 2) polygon for each level, corresponding corner by corner.
+class FlatLoft:
+    """A flattened loft: one (n, 2) polygon for each level, corresponding corner by corner.
 
-    pieces  in how many sides each segment of the well's loops is cut, (k,)
+    pieces  in how many sides each segment of the loft's loops is cut, (k,)
     """
 
-    well: Well
+    loft: Loft
     levels: tuple[Array, ...]
     pieces: Indices
 
     @property
     def depths_mm(self) -> tuple[float, ...]:
-        return tuple(level.depth_mm for level in self.well.levels)
+        return tuple(level.depth_mm for level in self.loft.levels)
 
 
 def triangulate(
-    wells: Sequence[Well],
+    lofts: Sequence[Loft],
     back_mm: float,
     place: Map,
     *,
@@ -61,74 +62,74 @@ def triangulate(
     chord_mm: float = CHORD_MM,
     flat: bool = False,
 ) -> Triangles:
-    """The closed mesh of a panel: the first well is its rim. `flat` maps need no refinement.
+    """The closed mesh of a panel: the first loft is its rim. `flat` maps need no refinement.
 
     back_mm  depth of the back face
     """
-    rings = flattened(wells, place, chord_mm, flat, tops)
+    rings = flattened(lofts, place, chord_mm, flat, tops)
     mesh = _Mesh(place, chord_mm, flat)
     seam = _Seam(tops[0].depth_mm if tops else None, mesh)
     columns = [[seam.ring(ring, k) for k in range(len(ring.levels))] for ring in rings]
-    for cap in caps(wells, back_mm, seam.depth_mm):
+    for cap in caps(lofts, back_mm, seam.depth_mm):
         index, polygons = [columns[i][k] for i, k in cap.ends], [rings[i].levels[k] for i, k in cap.ends]
         mesh.cap(index, polygons, cap.depth_mm, up=cap.up)
-    mesh.walls([storey for column in columns for storey in pairwise(column)])
+    mesh.walls([band for column in columns for band in pairwise(column)])
     for top in tops:
         mesh.cap(*seam.around(top), top.depth_mm, up=True)
     return mesh.triangles()
 
 
 def flattened(
-    wells: Sequence[Well], place: Map, chord_mm: float, flat: bool, tops: Sequence[Top] = ()
-) -> list[Ring]:
-    """The wells as polygons whose corresponding sides keep the chord tolerance on every level."""
-    counts = _pieces(wells, place, chord_mm, flat)
+    lofts: Sequence[Loft], place: Map, chord_mm: float, flat: bool, tops: Sequence[Top] = ()
+) -> list[FlatLoft]:
+    """The lofts as polygons whose corresponding sides keep the chord tolerance on every level."""
+    counts = _pieces(lofts, place, chord_mm, flat)
     if tops:
-        _agree(wells, counts, tops[0].depth_mm)
-    by_well = np.split(counts, np.cumsum([len(well.loops[0].segments) for well in wells])[:-1])
-    polygons: list[list[Array]] = [[] for _ in wells]
-    for k in range(max(len(well.loops) for well in wells)):
-        deep = [i for i, well in enumerate(wells) if len(well.loops) > k]
-        segments = [segment for i in deep for segment in wells[i].loops[k].segments]
-        laid = corners(segments, np.concatenate([by_well[i] for i in deep]))
-        bounds = np.cumsum([int(by_well[i].sum()) for i in deep])[:-1]
-        for i, polygon in zip(deep, np.split(laid, bounds), strict=True):
+        _agree(lofts, counts, tops[0].depth_mm)
+    by_loft = np.split(counts, np.cumsum([len(loft.loops[0].segments) for loft in lofts])[:-1])
+    polygons: list[list[Array]] = [[] for _ in lofts]
+    for k in range(max(len(loft.loops) for loft in lofts)):
+        deep = [i for i, loft in enumerate(lofts) if len(loft.loops) > k]
+        segments = [segment for i in deep for segment in lofts[i].loops[k].segments]
+        flat = corners(segments, np.concatenate([by_loft[i] for i in deep]))
+        bounds = np.cumsum([int(by_loft[i].sum()) for i in deep])[:-1]
+        for i, polygon in zip(deep, np.split(flat, bounds), strict=True):
             polygons[i].append(polygon)
-    return [Ring(well, tuple(p), n) for well, p, n in zip(wells, polygons, by_well, strict=True)]
+    return [FlatLoft(loft, tuple(p), n) for loft, p, n in zip(lofts, polygons, by_loft, strict=True)]
 
 
-def _agree(wells: Sequence[Well], counts: Indices, depth_mm: float) -> None:
+def _agree(lofts: Sequence[Loft], counts: Indices, depth_mm: float) -> None:
     """Cut the segments that meet at a depth, of the walls above and below, in as many pieces."""
     rows: dict[tuple[Point, Point], list[int]] = {}
     first = 0
-    for well in wells:
-        for loop, level in zip(well.loops, well.levels, strict=True):
+    for loft in lofts:
+        for loop, level in zip(loft.loops, loft.levels, strict=True):
             if level.depth_mm == depth_mm:
                 for row, segment in enumerate(loop.segments, first):
                     rows.setdefault((segment.start, segment.end), []).append(row)
-        first += len(well.loops[0].segments)
+        first += len(loft.loops[0].segments)
     for pair in rows.values():
         counts[pair] = counts[pair].max()
 
 
-def _pieces(wells: Sequence[Well], place: Map, chord_mm: float, flat: bool) -> Indices:
-    """In how many pieces each segment of the wells' loops is cut, the same on all its levels."""
-    counts = np.ones(sum(len(well.loops[0].segments) for well in wells), np.int64)
+def _pieces(lofts: Sequence[Loft], place: Map, chord_mm: float, flat: bool) -> Indices:
+    """In how many pieces each segment of the lofts' loops is cut, the same on all its levels."""
+    counts = np.ones(sum(len(loft.loops[0].segments) for loft in lofts), np.int64)
     by_depth: dict[float, tuple[list[int], list[Segment]]] = {}
     first = 0
-    for well in wells:
-        for loop, level in zip(well.loops, well.levels, strict=True):
+    for loft in lofts:
+        for loop, level in zip(loft.loops, loft.levels, strict=True):
             rows, segments = by_depth.setdefault(level.depth_mm, ([], []))
             rows += range(first, first + len(loop.segments))
             segments += loop.segments
-        first += len(well.loops[0].segments)
+        first += len(loft.loops[0].segments)
     for rows, segments in by_depth.values():
         np.maximum.at(counts, rows, pieces(segments, chord_mm))
     if flat:
         return counts
     for depth, (rows, segments) in by_depth.items():
-        laid = place(positions(segments, np.linspace(0, 1, PROBES + 1)).reshape(-1, 2), depth)
-        bend = np.linalg.norm(np.diff(laid.reshape(-1, PROBES + 1, 3), 2, axis=1), axis=2).max(axis=1)
+        mapped = place(positions(segments, np.linspace(0, 1, PROBES + 1)).reshape(-1, 2), depth)
+        bend = np.linalg.norm(np.diff(mapped.reshape(-1, PROBES + 1, 3), 2, axis=1), axis=2).max(axis=1)
         # A second difference b over steps of 1/N is a sagitta of b (N/n)² / 8 in n pieces.
         sharp = np.ceil(PROBES * np.sqrt(bend / (8 * RING_SHARE * chord_mm))).astype(np.int64)
         np.maximum.at(counts, rows, sharp)
@@ -142,21 +143,21 @@ class _Mesh:
         self._place = place
         self._chord_mm = chord_mm
         self._flat = flat
-        self._laid: list[tuple[Array, float]] = []
+        self._points: list[tuple[Array, float]] = []
         self._faces: list[Indices] = []
         self._count = 0
         self._last: tuple[Sequence[Array], Indices] | None = None
 
     def ring(self, uv: Array, depth_mm: float) -> Indices:
-        """Lay points at a depth; their indices."""
-        self._laid.append((uv, depth_mm))
+        """Points at a depth; their indices."""
+        self._points.append((uv, depth_mm))
         self._count += len(uv)
         return np.arange(self._count - len(uv), self._count)
 
-    def walls(self, storeys: Sequence[tuple[Indices, Indices]]) -> None:
+    def walls(self, bands: Sequence[tuple[Indices, Indices]]) -> None:
         """Quads between the upper and the lower ring of each, outside to the right of travel."""
-        upper, lower = (np.concatenate(rings) for rings in zip(*storeys, strict=True))
-        after = following(starts_of(len(ring) for ring, _ in storeys))
+        upper, lower = (np.concatenate(rings) for rings in zip(*bands, strict=True))
+        after = following(starts_of(len(ring) for ring, _ in bands))
         self._faces += [
             np.column_stack([lower, lower[after], upper[after]]),
             np.column_stack([lower, upper[after], upper]),
@@ -181,7 +182,7 @@ class _Mesh:
         return before[1]
 
     def triangles(self) -> Triangles:
-        uv, depth_mm = zip(*self._laid, strict=True)
+        uv, depth_mm = zip(*self._points, strict=True)
         depths_mm = np.repeat(depth_mm, [len(points) for points in uv])
         return Triangles(self._place(np.vstack(uv), depths_mm), np.vstack(self._faces))
 
@@ -199,13 +200,13 @@ class _Seam:
         self._sides: dict[tuple[Point, Point], tuple[Indices, Array]] = {}
         self._ends: dict[Point, int] = {}
 
-    def ring(self, ring: Ring, k: int) -> Indices:
-        """Lay a ring; at the level of the tops its corners are new only where no other ring has laid them."""
+    def ring(self, ring: FlatLoft, k: int) -> Indices:
+        """The corners of a loft on a level; on that of the tops, new ones only where no loft has any."""
         if ring.depths_mm[k] != self.depth_mm:
             return self._mesh.ring(ring.levels[k], ring.depths_mm[k])
         found: list[Indices] = []
         sides = pairwise(starts_of(ring.pieces).tolist())
-        for segment, (a, b) in zip(ring.well.loops[k].segments, sides, strict=True):
+        for segment, (a, b) in zip(ring.loft.loops[k].segments, sides, strict=True):
             ends = segment.start, segment.end
             if ends not in self._sides:
                 uv = ring.levels[k][a:b]

@@ -1,4 +1,7 @@
-"""Where the code lies: maps from the pattern plane onto walls of material."""
+"""Where the code lies: maps from the pattern plane onto walls of material, and how much they bend a module.
+
+Formulas on arrays. No loops, no solids, no modeller: those lie on these maps in `solid/charts`.
+"""
 
 from perfqr_cad.geometry.triangles import Triangles
 from perfqr_cad.surface.cone import Cone

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.surface.placement import Array, Placement, pairs, positive, thinner
+from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.surface.placement import Placement, pairs, positive, thinner
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import TensorSpline, tensor
-from perfqr_cad.surface.placement import Array, Placement, pairs, positive
+from perfqr_cad.surface.placement import Placement, pairs, positive
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,10 @@ class HeightField(Placement):
     Holes run along z, so that a reader in front looks straight through them.
 
     heights  B-spline of z in mm over the square |x|, |y| ≤ half_mm; see `HeightField.of`
+
+    >>> wave = HeightField.of(lambda x, y: 2.0 + x / 10, half_mm=20, thickness_mm=1.6)
+    >>> wave.point([(5, 0)]).round(9).tolist()
+    [[5.0, 0.0, 2.5]]
     """
 
     heights: TensorSpline

@@ -11,11 +11,10 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-
-Array = NDArray[np.float64]
+from perfqr_cad.geometry.arrays import Array
 
 # Central differences on lengths in mm: the truncation (h²) and rounding (1e-16 / h) errors meet near here.
 STEP_MM = 1e-4
@@ -28,13 +27,12 @@ UNBENT = 1e-6  # share of its length that a tangent loses through the wall: roun
 class DistortionLimit:
     """How far a surface may bend a code.
 
-    area       |true area of a module / nominal − 1|. Decoders fit one grid to the whole code (ISO/IEC
-    18004 §12
-               takes the module size from the finders), so a module may not stray by half its pitch over
+    area       |true area of a module / nominal − 1|. Decoders fit one grid to the whole code (ISO/IEC 18004
+               §12 takes the module size from the finders), so a module may not stray by half its pitch over
                the code.
     shear_deg  departure of a module's corners from a right angle.
-    tilt_deg   angle between the surface and the reader's axis: a flat print is read at up to
-               50°, not beyond (measured on eight codes of version 8).
+    tilt_deg   angle between the surface and the reader's axis: a flat print is read at up to 50°, not beyond
+               (measured on eight codes of version 8).
     """
 
     area: float = 0.25
@@ -44,12 +42,11 @@ class DistortionLimit:
 
 @dataclass(frozen=True)
 class Distortion:
-    """What a placement does to the modules of a code: worst and mean over the code's square."""
+    """What a placement does to the modules of a code, at the worst places of its square; see
+    `DistortionLimit`."""
 
     area_worst: float
-    area_mean: float
     shear_worst_deg: float
-    shear_mean_deg: float
     tilt_worst_deg: float
 
     def within(self, limit: DistortionLimit) -> bool:
@@ -146,9 +143,7 @@ class Placement(ABC):
         sine = np.einsum("ki,ki->k", along_u, along_v) / lengths
         shear = np.degrees(np.abs(np.arcsin(np.clip(sine, -1, 1))))
         tilt = np.degrees(np.arccos(np.clip(self.normal(grid) @ self.reader_axes()[2], -1, 1)))
-        return Distortion(
-            *(float(x) for x in (area.max(), area.mean(), shear.max(), shear.mean(), tilt.max()))
-        )
+        return Distortion(float(area.max()), float(shear.max()), float(tilt.max()))
 
     def largest_size_mm(self, limit: DistortionLimit | None = None) -> float:
         """Edge of the largest code that keeps the limit, to 0.1 % and never above; may be infinite."""
@@ -168,8 +163,7 @@ class Placement(ABC):
 
     def check(self, size_mm: float, limit: DistortionLimit | None = None) -> Distortion:
         """The distortion of a code of this edge. Raises `DesignError`, naming the largest size that works,
-        or where the wall folds.
-        """
+        or where the wall folds."""
         limit = limit or DistortionLimit()
         found = self.distortion(size_mm)
         self.require_unfolded(square(size_mm / 2))

@@ -8,12 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from perfqr_cad.surface.placement import Array, Placement, pairs, positive
+from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.surface.placement import Placement, pairs, positive
 
 
 @dataclass(frozen=True)
 class Plane(Placement):
-    """The plate of the pattern plane itself; the reader looks along −z."""
+    """The plate of the pattern plane itself; the reader looks along −z.
+
+    >>> Plane(2.0).at_depth([(3, 4)], 0.5).tolist()
+    [[3.0, 4.0, 1.5]]
+    """
 
     thickness_mm: float
 

@@ -1,10 +1,8 @@
 """Walls of revolution about the y axis: cylinder, sphere, any meridian.
 
-The centre of the code is on the +z side; the reader stands at +z. u runs around the axis at the angle u /
-r₀, with
-r₀ the front's radius at the code's centre; v runs along the meridian by arc length. Lines of the pattern's
-grid
-become circles and meridians, and the normals along them planes and cones: walls are exact.
+The centre of the code is on the +z side; the reader stands at +z. u runs around the axis at the angle u / r₀,
+with r₀ the front's radius at the code's centre; v runs along the meridian by arc length. Lines of the
+pattern's grid become circles and meridians, and the normals along them planes and cones: walls are exact.
 """
 
 from __future__ import annotations
@@ -18,8 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import Spline, interpolated
-from perfqr_cad.surface.placement import Array, Placement, pairs, positive, thinner
+from perfqr_cad.surface.placement import Placement, pairs, positive, thinner
 
 FINE = 257  # points along a profile where its wall is looked at
 
@@ -64,7 +63,11 @@ class Revolved(Placement):
 
 @dataclass(frozen=True)
 class Cylinder(Revolved):
-    """Outer wall of a tube; the wrap is an isometry of the front surface."""
+    """Outer wall of a tube; the wrap is an isometry of the front surface.
+
+    >>> Cylinder(30.0, 2.0).point([(0, 5)]).tolist(), round(Cylinder(30.0, 2.0).largest_size_mm(), 1)
+    ([[0.0, 5.0, 30.0]], 52.3)
+    """
 
     radius_mm: float
     thickness_mm: float
@@ -121,6 +124,10 @@ class Revolution(Revolved):
 
     profile    (radius, height) points in mm, upwards, at least 4; a cubic spline runs through them
     height_mm  where on the profile the centre of the code lies
+
+    >>> vase = Revolution(((20, 0), (24, 20), (26, 40), (22, 60)), height_mm=30, thickness_mm=1.5)
+    >>> 24 < vase.centre_radius_mm < 26
+    True
     """
 
     profile: tuple[tuple[float, float], ...]

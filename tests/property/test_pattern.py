@@ -28,8 +28,8 @@ def assert_sound(pattern):
 
 def picture(pattern, px=6):
     """Grey picture of a pattern: material light, holes dark."""
-    u = pattern.draft.lattice.per_module
-    solid = pattern.draft.solid[:: max(1, u // px), :: max(1, u // px)]
+    u = pattern.canvas.lattice.per_module
+    solid = pattern.canvas.solid[:: max(1, u // px), :: max(1, u // px)]
     return np.where(solid, 255, 0).astype(np.uint8)
 
 

@@ -1,4 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
 """Random outlines, walls and placements: sound solids of the right volume, or a refusal that says why."""
 
 from __future__ import annotations
@@ -13,8 +12,8 @@ from OCP.BRepCheck import BRepCheck_Analyzer
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Loop, Region, Segment
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.profile import Plan, Walls
-from perfqr_cad.solid import build_plan, build_region
+from perfqr_cad.profile import Profile, Walls
+from perfqr_cad.solid import build_profile
 from perfqr_cad.surface import Cone, Cylinder, Placement, Plane, Sphere
 
 CELL_MM = 2.0
@@ -92,7 +91,7 @@ walls = st.one_of(
 def test_any_panel_is_sound(region: Region, placement: Placement, wall: Walls) -> None:
     """The proof holds every solid against the closed form of its volume and the number of its holes."""
     try:
-        solid = build_region(region, placement, wall, min_web_mm=0.3)
+        solid = build_profile(Profile((region,), min_web_mm=0.3), placement, wall)
     except DesignError:  # too little room to flare, said in one line: nothing is built
         assert wall.draft_deg > 0
         return
@@ -131,7 +130,7 @@ def test_any_recessed_ring_is_sound(
         dx, dy = turn[side]
         start, end = ((dx * r + dy * along, dy * r + dx * along) for r in (2.2, 3.2))
         bars.append(Bridge(start, end, width, "function", 0.0, height))
-    solid = build_plan(Plan((slot, ring), tuple(bars), slot, 0.3), placement, wall)
+    solid = build_profile(Profile((slot, ring), tuple(bars), slot, 0.3), placement, wall)
     assert solid.problems == ()
     assert solid.notes == ()
     assert solid.triangles.closed
@@ -157,4 +156,4 @@ def test_a_broken_outline_is_refused_in_our_words(
         case _:
             segments[k] = Line(corner, (math.nan, 0.0))
     with pytest.raises(KernelError, match="outline"):
-        build_region(Region(Loop(tuple(segments)), region.holes), placement)
+        build_profile(Profile((Region(Loop(tuple(segments)), region.holes),)), placement)

@@ -48,12 +48,14 @@ ABOVE: dict[str, Any] = {"point": (0.0, 0.0, 200.0), "direction": (0.0, 0.0, -1.
 
 @dataclass(frozen=True)
 class Case:
-    """A part, the place of a code on it, the code's size, and what a refusal says ('' where none is due)."""
+    """A part, the place of a code on it, its size, what a refusal says ('' where none is due), and how deep
+    pockets are (None: through-holes)."""
 
     make: Callable[[], Any]
     place: dict[str, Any] = field(default_factory=dict[str, Any])
     size_mm: float = 24.0
     says: str = ""
+    depth_mm: float | None = None
 
 
 def closed_box() -> Any:
@@ -151,7 +153,7 @@ def ribbed() -> Any:
 CASES: dict[str, Case] = {
     "closed box": Case(closed_box),
     "open box, a numbered face": Case(open_box, {"face": 1}),
-    "block with pockets": Case(lambda: Box(60, 50, 40), {"depth_mm": 1.2}),
+    "block with pockets": Case(lambda: Box(60, 50, 40), depth_mm=1.2),
     "tube": Case(tube, BEFORE),
     "tube, wrapped": Case(tube, BEFORE | {"wrap": True}),
     "tube over its seam": Case(tube, FROM_THE_SIDE),

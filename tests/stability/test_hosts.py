@@ -50,7 +50,9 @@ def holes(size_mm: float) -> Pattern:
 def test_a_part_takes_the_holes(name: str, tmp_path: Path) -> None:
     case = CASES[name]
     host = target(case, tmp_path)
-    part = host.solid(holes(case.size_mm), host.placement(case.size_mm), Walls(depth_mm=host.depth_mm))
+    part = host.solid(
+        holes(case.size_mm), host.placement(case.size_mm, case.depth_mm), Walls(depth_mm=case.depth_mm)
+    )
     assert part.valid
     assert part.triangles.closed
     assert BRepCheck_Analyzer(part.shape).IsValid()

@@ -11,8 +11,8 @@ from shapely.geometry import box
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.scan import FlatPrint, Light, Look, Optics, Scene, View, place
 from perfqr_cad.scan.camera.camera import Camera, facing_up
-from perfqr_cad.scan.camera.sections import area, stack
 from perfqr_cad.scan.camera.skylight import brightness
+from perfqr_cad.scan.camera.stack import area, cut_stack
 
 EDGE, SLOT, THICKNESS = 40.0, 4.0, 2.0
 NO_FAULTS = Optics(defocus_px=0, noise=0, jpeg_quality=None)
@@ -69,7 +69,7 @@ def test_projected_triangles_give_the_same_silhouette():
     triangles = slotted()
     part = place(triangles)
     view = View(35.0, 25.0, roll_deg=10.0, size_px=400)
-    camera = Camera(view, part.target)
+    camera = Camera(view, part.code)
     corners = camera.project(triangles.vertices)[triangles.faces]
     union = shapely.union_all([p for p in map(shapely.Polygon, corners) if p.area > 1e-9], grid_size=1e-6)
     for scene in (Scene(part), Scene(replace(part, flat=False))):
@@ -98,7 +98,7 @@ def test_sky_on_the_floor_of_a_long_slot(depth):
     """View factor from the middle of the floor: 1 / sqrt(1 + (2 d / w)²); walls that reflect nothing."""
     triangles = slotted(depth)
     vertices = triangles.vertices - [0, 0, depth]
-    sections = stack(vertices, triangles.faces, edge_mm=EDGE * 1.1, layers=9, pixels=256)
+    sections = cut_stack(vertices, triangles.faces, edge_mm=EDGE * 1.1, layers=9, pixels=256)
     lit = brightness(sections, Light(ambient=1.0, lamp=0.0), reflectance=0.0, bounces=0)
     middle = lit.ground.shape[0] // 2
     expected = 1 / np.sqrt(1 + (2 * depth / SLOT) ** 2)

@@ -16,8 +16,8 @@ from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
 
 from perfqr_cad.geometry.outline import Circle, Loop, Region
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.profile import Caption, Plan, Walls
-from perfqr_cad.solid import Solid, build_plan, build_region, read_step, write_step
+from perfqr_cad.profile import Caption, Profile, Walls
+from perfqr_cad.solid import Solid, build_profile, read_step, write_step
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.surface import Cone, Cylinder, Placement, Plane, Sphere
 
@@ -53,7 +53,7 @@ def test_a_plate_equals_boxes_cut_one_by_one() -> None:
         brute = BRepAlgoAPI_Cut(
             brute, BRepPrimAPI_MakeBox(gp_Pnt(x - 0.4, y - 0.4, -1), 0.8, 0.8, 4).Shape()
         ).Shape()
-    solid = build_region(Region(OUTER, REGION.holes[:12]), Plane(2.0))
+    solid = build_profile(Profile((Region(OUTER, REGION.holes[:12]),)), Plane(2.0))
     assert symmetric_difference(solid.shape, brute) < 1e-6 * solid.volume_mm3
 
 
@@ -65,19 +65,19 @@ def test_flared_dots_equal_cones_cut_one_by_one() -> None:
     for x, y in CELLS[:12]:
         axis = gp_Ax2(gp_Pnt(x, y, 0), gp_Dir(0, 0, 1))
         brute = BRepAlgoAPI_Cut(brute, BRepPrimAPI_MakeCone(axis, wide, 0.4, 2.0).Shape()).Shape()
-    solid = build_region(Region(OUTER, DOTS.holes[:12]), Plane(2.0), Walls(draft_deg=2.5))
+    solid = build_profile(Profile((Region(OUTER, DOTS.holes[:12]),)), Plane(2.0), Walls(draft_deg=2.5))
     assert symmetric_difference(solid.shape, brute) < 1e-6 * solid.volume_mm3
 
 
 def test_a_difference_shows() -> None:
     """The oracle sees a hole that is missing."""
-    one, two = (build_region(Region(OUTER, REGION.holes[:k]), Plane(2.0)) for k in (4, 5))
+    one, two = (build_profile(Profile((Region(OUTER, REGION.holes[:k]),)), Plane(2.0)) for k in (4, 5))
     assert symmetric_difference(one.shape, two.shape) == pytest.approx(0.8 * 0.8 * 2)
 
 
 def test_a_band_equals_sectors_cut_from_a_tube() -> None:
     """A hole on grid lines of a cylinder is a box in cylindrical coordinates."""
-    solid = build_region(Region(OUTER, (cell(0, 0),)), Cylinder(30.0, 2.0))
+    solid = build_profile(Profile((Region(OUTER, (cell(0, 0),)),)), Cylinder(30.0, 2.0))
 
     def ring(low: float, high: float, angle: float) -> object:
         axis = gp_Ax2(gp_Pnt(0, low, 0), gp_Dir(0, 1, 0), gp_Dir(np.sin(-angle / 2), 0, np.cos(-angle / 2)))
@@ -102,15 +102,21 @@ def part(name: str) -> Solid:
     region, drafted = Region(OUTER, DOTS.holes[:8]), Walls(draft_deg=3.0, lip_mm=0.4)
     match name:
         case "drafted":
-            return build_region(region, Plane(2.0), drafted, name=name, colour=RED)
+            return build_profile(Profile((region,)), Plane(2.0), drafted, name=name, colour=RED)
         case "recessed":
-            return build_plan(Plan((SLOT, RING), (BAR,), SLOT), Plane(2.0), drafted, name=name, colour=RED)
+            return build_profile(
+                Profile((SLOT, RING), (BAR,), SLOT), Plane(2.0), drafted, name=name, colour=RED
+            )
         case "recessed on a cylinder":
-            plan = Plan((SLOT, RING), (BAR,), SLOT, letters=_letter(), relief_mm=0.3)
-            return build_plan(plan, Cylinder(30.0, 2.0), name=name, colour=RED)
+            profile = Profile((SLOT, RING), (BAR,), SLOT, letters=_letter(), relief_mm=0.3)
+            return build_profile(profile, Cylinder(30.0, 2.0), name=name, colour=RED)
         case _:
-            return build_region(
-                Region(OUTER, REGION.holes[:8]), PLACEMENTS[name], name=name, colour=RED, chord_mm=0.02
+            return build_profile(
+                Profile((Region(OUTER, REGION.holes[:8]),)),
+                PLACEMENTS[name],
+                name=name,
+                colour=RED,
+                chord_mm=0.02,
             )
 
 

@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.arrays import Array, Mask
 from perfqr_cad.hosts.body import Body, body_of_mesh
-from perfqr_cad.hosts.tool import manifold_of, triangles_of
-
-Array = NDArray[np.float64]
+from perfqr_cad.hosts.manifold import manifold_of, triangles_of
 
 CELLS_PER_WALL = 2.0  # grid cells across the wall
 MOST_CELLS = 6_000_000  # of the distance grid, about 50 MB; a coarser grid serves larger bodies
@@ -25,8 +24,7 @@ def hollowed(mesh: Triangles, thickness_mm: float) -> Triangles:
     """The closed body less everything deeper than `thickness_mm` below its surface.
 
     The depth is a true distance, sampled on a grid and contoured; it errs by about (cell/4)²/thickness.
-    Raises
-    `DesignError` when nothing of the body is that deep, or the wall is too thin for the grid.
+    Raises `DesignError` when nothing of the body is that deep, or the wall is too thin for the grid.
     """
     body = body_of_mesh(mesh)
     low, extent = mesh.vertices.min(axis=0), np.ptp(mesh.vertices, axis=0)
@@ -51,10 +49,9 @@ def hollowed(mesh: Triangles, thickness_mm: float) -> Triangles:
 
 def _depths(body: Body, low: Array, extent: Array, cell: float, wanted_mm: float) -> Array:
     """Distance to the surface at grid nodes inside the body, 0 outside; exact in a band about the wanted
-    depth.
-    """
+    depth."""
     from scipy.ndimage import distance_transform_edt
-    from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
+    from scipy.spatial import cKDTree
 
     counts = np.ceil(extent / cell).astype(int) + 2
     inside = _inside(body, low, counts, cell)
@@ -67,7 +64,7 @@ def _depths(body: Body, low: Array, extent: Array, cell: float, wanted_mm: float
     return depth
 
 
-def _inside(body: Body, low: Array, counts: NDArray[np.int64], cell: float) -> NDArray[np.bool_]:
+def _inside(body: Body, low: Array, counts: NDArray[np.int64], cell: float) -> Mask:
     """Which grid nodes lie inside: parity of crossings along columns in z."""
     x, y = (
         a.ravel()

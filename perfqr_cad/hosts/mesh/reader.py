@@ -37,7 +37,7 @@ def mender(
 
     def answer(request: Message) -> Message:
         raw = triangles_of(request.arrays[0].tobytes(), kind, name)
-        body = mend(scaled(raw, scale, extent_mm), part).triangles
+        body = mend(scaled(raw, scale, extent_mm), part)
         return Message(None, (body.vertices, body.faces))
 
     return answer

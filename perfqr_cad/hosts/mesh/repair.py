@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry import Triangles
-from perfqr_cad.hosts.body import connected, weld
-from perfqr_cad.hosts.tool import manifold_of, triangles_of
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
+from perfqr_cad.geometry.graph import components
+from perfqr_cad.geometry.triangles import directed_edges
+from perfqr_cad.hosts.body import weld
+from perfqr_cad.hosts.manifold import manifold_of, triangles_of
 
 WELD_SHARE = 1e-6  # of the diagonal: single-precision files round corners by about this
 # A gap round which the rim is shorter than this share of the diagonal is filled flat; a longer one is an
@@ -28,71 +25,56 @@ FLAT = 1e-12  # of the sizes involved: a segment in the plane of a triangle does
 BEYOND = 1e-3  # of an edge: how far behind a hit the caster looks on
 
 
-@dataclass(frozen=True)
-class Mended:
-    """A closed body, and what was wrong with the mesh it came from."""
+def mend(mesh: Triangles, part: int | None = None) -> Triangles:
+    """One closed body: welded, without degenerate and doubled triangles, small gaps filled, faces turned
+    outward, overlapping bodies united.
 
-    triangles: Triangles
-    duplicate_triangles: int
-    filled_gaps: int
-    dropped_pieces: int
-
-
-def mend(mesh: Triangles, part: int | None = None) -> Mended:
-    """Weld, drop degenerate and doubled triangles, fill small gaps, turn faces outward, unite overlapping
-    bodies.
-
-    `part` picks one of several separate bodies, 1 the greatest. Raises `KernelError` with
-    counts for what cannot
-    be mended (open rims, edges of three or more triangles, triangles through each other) and `DesignError`
-    for
-    several bodies of which none is chosen.
+    `part` picks one of several separate bodies, 1 the greatest. Raises `KernelError` with counts for what
+    cannot be mended (open rims, edges of three or more triangles, triangles through each other) and
+    `DesignError` for several bodies of which none is chosen.
     """
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     welded, _ = weld(mesh.vertices, mesh.faces, WELD_SHARE * diagonal)
-    faces, duplicates = _without_doubles(welded)
+    faces = _without_doubles(welded)
     _require_triangles(faces)
     _refuse_branches(faces)
-    vertices, faces, gaps = _filled(welded.vertices, faces, FILL_SHARE * diagonal)
+    vertices, faces = _filled(welded.vertices, faces, FILL_SHARE * diagonal)
     _refuse_branches(faces)
-    faces = _consistent(faces)
-    bodies, dust = _bodies(Triangles(vertices, faces))
+    bodies = _bodies(Triangles(vertices, _consistent(faces)))
     crossing = sum(self_crossings(body) for body in bodies)
     if crossing:
         raise KernelError(
             f"the mesh cuts through itself at {crossing} edges: rebuild it as one outer surface (a "
-            f"boolean union in "
-            "the program it comes from) and export again"
+            f"boolean union in the program it comes from) and export again"
         )
-    return Mended(_one(bodies, part), duplicates, gaps, dust)
+    return _one(bodies, part)
 
 
-def _without_doubles(mesh: Triangles) -> tuple[Index, int]:
+def _without_doubles(mesh: Triangles) -> Indices:
     """Triangles with distinct corner sets."""
     _, first = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True)
-    return mesh.faces[np.sort(first)], len(mesh.faces) - len(first)
+    return mesh.faces[np.sort(first)]
 
 
-def _require_triangles(faces: Index) -> None:
+def _require_triangles(faces: Indices) -> None:
     """Raises `KernelError` where none are left."""
     if not len(faces):
         raise KernelError("the mesh encloses no volume: export a body, not flat sheets")
 
 
-def _rims(faces: Index) -> Index:
+def _rims(faces: Indices) -> Indices:
     """Directed edges (k, 2) that have no partner."""
-    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    edges = directed_edges(faces)
     _, index, counts = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
     return edges[index[counts == 1]]
 
 
-def _filled(vertices: Array, faces: Index, longest_mm: float) -> tuple[Array, Index, int]:
+def _filled(vertices: Array, faces: Indices, longest_mm: float) -> tuple[Array, Indices]:
     """Small gaps closed by a fan about their middle. Raises `KernelError` listing the openings that are
-    left.
-    """
+    left."""
     rims = _rims(faces)
     if not len(rims):
-        return vertices, faces, 0
+        return vertices, faces
     loops, tangled = _loops(rims)
     lengths = [
         float(np.linalg.norm(np.diff(vertices[[*loop, loop[0]]], axis=0), axis=1).sum()) for loop in loops
@@ -115,10 +97,10 @@ def _filled(vertices: Array, faces: Index, longest_mm: float) -> tuple[Array, In
         ring = np.array(loop)
         fans.append(np.column_stack([np.roll(ring, -1), ring, np.full(len(ring), len(vertices) + k)]))
     middles = [vertices[loop].mean(axis=0) for loop in loops]
-    return np.vstack([vertices, middles]), np.vstack([faces, *fans]), len(loops)
+    return np.vstack([vertices, middles]), np.vstack([faces, *fans])
 
 
-def _loops(rims: Index) -> tuple[list[list[int]], int]:
+def _loops(rims: Indices) -> tuple[list[list[int]], int]:
     """Closed chains of rim edges, whichever way each edge runs; and the number of chains that branch."""
     neighbours: dict[int, list[int]] = {}
     for a, b in rims.tolist():
@@ -141,9 +123,9 @@ def _loops(rims: Index) -> tuple[list[list[int]], int]:
     return loops, 0
 
 
-def _refuse_branches(faces: Index) -> None:
+def _refuse_branches(faces: Indices) -> None:
     """Raises `KernelError` with the number of edges at which three triangles or more meet."""
-    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges = np.sort(directed_edges(faces), axis=1)
     counts = np.unique(edges, axis=0, return_counts=True)[1]
     if (bad := int((counts > 2).sum())) > 0:
         raise KernelError(
@@ -152,7 +134,7 @@ def _refuse_branches(faces: Index) -> None:
         )
 
 
-def _consistent(faces: Index) -> Index:
+def _consistent(faces: Indices) -> Indices:
     """All triangles of each connected surface turned the same way."""
     import trimesh
     from trimesh import repair
@@ -162,13 +144,13 @@ def _consistent(faces: Index) -> Index:
     return np.asarray(sheet.faces, np.int64)
 
 
-def _bodies(mesh: Triangles) -> tuple[list[Triangles], int]:
-    """Closed bodies, greatest first, each with the cavities inside it; and how much dust was swept away."""
+def _bodies(mesh: Triangles) -> list[Triangles]:
+    """Closed bodies, greatest first, each with the cavities inside it, without dust."""
     _require_triangles(mesh.faces)
-    edges = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges = np.sort(directed_edges(mesh.faces), axis=1)
     # Every edge has two triangles by now. Surfaces that share a mere vertex stay apart.
     pairs = np.lexsort(edges.T).reshape(-1, 2) // 3
-    label = connected(pairs, len(mesh.faces))
+    label = components(pairs, len(mesh.faces))
     pieces = [_outward(_compact(mesh, label == k)) for k in range(int(label.max()) + 1)]
     pieces.sort(key=lambda m: -m.volume_mm3)
     solid = [p for p in pieces if p.volume_mm3 > DUST_SHARE * pieces[0].volume_mm3]
@@ -180,12 +162,10 @@ def _bodies(mesh: Triangles) -> tuple[list[Triangles], int]:
         if len(outer) % 2:  # greatest first: the last body around it is the tightest
             owner = max(k for k in outer if k in cavities)
             cavities[owner].append(Triangles(piece.vertices, piece.faces[:, ::-1]))
-    return [solid[k].joined(*own) if own else solid[k] for k, own in cavities.items()], len(pieces) - len(
-        solid
-    )
+    return [solid[k].joined(*own) if own else solid[k] for k, own in cavities.items()]
 
 
-def _compact(mesh: Triangles, chosen: NDArray[np.bool_]) -> Triangles:
+def _compact(mesh: Triangles, chosen: Mask) -> Triangles:
     used, index = np.unique(mesh.faces[chosen], return_inverse=True)
     return Triangles(mesh.vertices[used], index.reshape(-1, 3))
 
@@ -206,8 +186,7 @@ def _inside(inner: Triangles, outer: Triangles) -> bool:
 
 def _winds_round(point: Array, mesh: Triangles) -> bool:
     """Whether a point lies inside a closed mesh: its winding number by solid angles (van Oosterom and
-    Strackee).
-    """
+    Strackee)."""
     a, b, c = np.moveaxis(mesh.vertices[mesh.faces] - point, 1, 0)
     la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
     volume = np.einsum("ki,ki->k", a, np.cross(b, c))
@@ -219,12 +198,11 @@ def _winds_round(point: Array, mesh: Triangles) -> bool:
 
 def self_crossings(mesh: Triangles) -> int:
     """Edges that pierce a triangle they do not touch: two triangles cross exactly when an edge of one
-    does.
-    """
+    does."""
     import trimesh
     from trimesh.ray.ray_pyembree import RayMeshIntersector
 
-    edges = np.unique(np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    edges = np.unique(np.sort(directed_edges(mesh.faces), axis=1), axis=0)
     start, span = mesh.vertices[edges[:, 0]], mesh.vertices[edges[:, 1]] - mesh.vertices[edges[:, 0]]
     length = np.linalg.norm(span, axis=1)
     long = length > SHORTEST
@@ -247,7 +225,7 @@ def self_crossings(mesh: Triangles) -> int:
     return int(pierced.sum())
 
 
-def _pierces(mesh: Triangles, triangle: Index, start: Array, span: Array) -> NDArray[np.bool_]:
+def _pierces(mesh: Triangles, triangle: Indices, start: Array, span: Array) -> Mask:
     """Whether segments cross triangles, strictly inside both.
 
     Möller and Trumbore in double precision; the ray caster's single precision only proposes.
@@ -272,7 +250,7 @@ def _one(bodies: list[Triangles], part: int | None) -> Triangles:
 
     if len(bodies) > 1:
         united = manifold3d.Manifold.batch_boolean([manifold_of(b) for b in bodies], manifold3d.OpType.Add)
-        bodies = _bodies(triangles_of(united))[0]
+        bodies = _bodies(triangles_of(united))
     if len(bodies) == 1:
         return bodies[0]
     sizes = ", ".join(f"{b.volume_mm3:.4g}" for b in bodies[:5]) + (", …" if len(bodies) > 5 else "")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
-from perfqr_cad.hosts.tool import manifold_of
+from perfqr_cad.hosts.manifold import manifold_of
 from perfqr_cad.solid.shape import Solid
 
 
@@ -13,7 +13,6 @@ def mesh_solid(mesh: Triangles, name: str, notes: tuple[str, ...] = ()) -> Solid
     body = manifold_of(mesh)
     if not mesh.closed:
         raise KernelError("the carved mesh is not closed: move the code a little")
-    low, high = mesh.vertices.min(axis=0).tolist(), mesh.vertices.max(axis=0).tolist()
     return Solid(
         exact=None,
         triangles=mesh,
@@ -22,7 +21,7 @@ def mesh_solid(mesh: Triangles, name: str, notes: tuple[str, ...] = ()) -> Solid
         faces=len(mesh.faces),
         edges=len(mesh.faces) * 3 // 2,
         volume_mm3=float(body.volume()),
-        bbox_mm=((low[0], low[1], low[2]), (high[0], high[1], high[2])),
+        bbox_mm=mesh.bounds_mm,
         notes=notes,
         name=name,
     )

@@ -1,4 +1,8 @@
-"""Codes in the walls of imported solids (STEP): find the place, lay the code on it, punch the holes."""
+"""Codes in the walls of imported solids (STEP): find the place, map the code onto it, punch the holes.
+
+Every hole runs between the host's own exact faces. Reading STEP itself is in `solid/step`; nothing here knows
+of meshes that were imported as such.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +10,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from perfqr_cad.hosts.step.imported_face import ImportedFace
     from perfqr_cad.hosts.step.meshing import mesh_shape
-    from perfqr_cad.hosts.step.target import ImportedFace
 
 __all__ = ["ImportedFace", "mesh_shape"]
 
-_HOMES = {"ImportedFace": "target", "mesh_shape": "meshing"}
+_HOMES = {"ImportedFace": "imported_face", "mesh_shape": "meshing"}
 
 
 def __getattr__(name: str) -> Any:

@@ -1,8 +1,5 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Charts of walls between faces of an imported solid: exact on plane pairs, by Newton and fitted
-elsewhere.
-"""
+elsewhere."""
 
 from __future__ import annotations
 
@@ -16,16 +13,16 @@ from OCP.BRepOffset import BRepOffset, BRepOffset_Status
 from OCP.Geom import Geom_ElementarySurface, Geom_OffsetSurface, Geom_RectangularTrimmedSurface
 from OCP.gp import gp_Trsf, gp_Vec
 
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Segment
-from perfqr_cad.hosts.lay import Laid, Projected
-from perfqr_cad.hosts.step.skin import Skin
-from perfqr_cad.hosts.wall import Frame
-from perfqr_cad.profile.well import Level
+from perfqr_cad.hosts.frame import Frame
+from perfqr_cad.hosts.host_placement import HostPlacement, Projected
+from perfqr_cad.hosts.step.exact_face import ExactFace
+from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.charts.chart import Chart, Columns
-from perfqr_cad.solid.charts.fitted import Sight, lay_fitted
-from perfqr_cad.solid.charts.plane import PlaneChart
+from perfqr_cad.solid.charts.fitted import Projection, fitted_columns
+from perfqr_cad.solid.charts.plane_chart import PlaneChart
 from perfqr_cad.solid.kernel.modelled import ModelledSurfaces
-from perfqr_cad.solid.kernel.occ import Array
 from perfqr_cad.solid.tables.batches import Move, Surfaces
 from perfqr_cad.solid.tables.brep import Batch
 from perfqr_cad.surface import Plane
@@ -37,15 +34,17 @@ LEVEL_MM = 1e-9  # the front is the frame's own plane
 SQUARE = 1e-12  # 1 − cosine of the angle at which a plane counts as square to the axis
 
 
-def chart_between(laid: Laid, front: Skin, back: Skin | None, reach_mm: float) -> Chart:
+def chart_between(
+    placement: HostPlacement, front: ExactFace, back: ExactFace | None, reach_mm: float
+) -> Chart:
     """The chart of holes from one face to another, or (no `back`) to floors `reach_mm` below the front."""
     if (
-        isinstance(laid, Projected)
-        and float(np.abs(laid.heights_mm).max()) < LEVEL_MM
-        and all(_square(s, laid) for s in (front, back) if s is not None)
+        isinstance(placement, Projected)
+        and float(np.abs(placement.heights_mm).max()) < LEVEL_MM
+        and all(_square(s, placement) for s in (front, back) if s is not None)
     ):
-        return PlanePairChart(laid.frame_at_centre, front, back, reach_mm)
-    return FaceChart(laid, front, back, reach_mm)
+        return PlanePairChart(placement.frame_at_centre, front, back, reach_mm)
+    return FaceChart(placement, front, back, reach_mm)
 
 
 @dataclass(frozen=True)
@@ -53,8 +52,8 @@ class PlanePairChart:
     """Two planes square to the axis: the flat plate's own exact curves and walls, moved into place."""
 
     frame: Frame
-    front: Skin
-    back: Skin | None
+    front: ExactFace
+    back: ExactFace | None
     thickness_mm: float
     whole_circles: bool = False
 
@@ -82,8 +81,8 @@ class PlanePairChart:
             return self.front.outward_sign > 0
         return self.back is None or depth_mm != self.thickness_mm or self.back.outward_sign < 0
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
-        plain, move = self._plate.lay(stacks, levels), self._move
+    def columns(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
+        plain, move = self._plate.columns(stacks, levels), self._move
         return Columns(
             tuple(
                 replace(traces, curves=tuple(Batch(b.rows, move.curves(b.of)) for b in traces.curves))
@@ -100,20 +99,20 @@ class PlanePairChart:
 class FaceChart:
     """Any two faces: outlines are met with the exact surfaces by Newton's iteration, then fitted."""
 
-    laid: Laid
-    front: Skin
-    back: Skin | None
+    placement: HostPlacement
+    front: ExactFace
+    back: ExactFace | None
     thickness_mm: float
     whole_circles: bool = False
     _between: dict[float, Geom_Surface] = field(default_factory=dict, repr=False)
     _met: dict[tuple[float, bytes], tuple[Array, Array]] = field(default_factory=dict, repr=False)
 
     @property
-    def sight(self) -> Sight | None:
+    def projection(self) -> Projection | None:
         """The projection's direction; a wrap has none."""
-        if not isinstance(self.laid, Projected):
+        if not isinstance(self.placement, Projected):
             return None
-        return Sight(self.laid.frame_at_centre.origin, self.laid.frame_at_centre.axes)
+        return Projection(self.placement.frame_at_centre.origin, self.placement.frame_at_centre.axes)
 
     def points(self, uv: Array, depth_mm: float) -> Array:
         return self._meet(uv, depth_mm)[1]
@@ -138,18 +137,17 @@ class FaceChart:
             return self.back.outward_sign < 0
         return self.front.outward_sign > 0
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
-        return lay_fitted(stacks, levels, self)
+    def columns(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
+        return fitted_columns(stacks, levels, self)
 
     def _on_back(self, depth_mm: float) -> bool:
         return self.back is not None and depth_mm >= self.thickness_mm
 
     def _sunk(self, depth_mm: float) -> Geom_Surface:
         """The front moved inwards: along the axis of a projection, along its own normals under a wrap; its
-        parameters stay. Cylinders, cones, spheres and tori become such of another radius.
-        """
-        if isinstance(self.laid, Projected):
-            x, y, z = (-depth_mm * self.laid.frame_at_centre.axes[2]).tolist()
+        parameters stay. Cylinders, cones, spheres and tori become such of another radius."""
+        if isinstance(self.placement, Projected):
+            x, y, z = (-depth_mm * self.placement.frame_at_centre.axes[2]).tolist()
             shift = gp_Trsf()
             shift.SetTranslation(gp_Vec(x, y, z))
             return cast("Geom_Surface", self.front.surface.Transformed(shift))
@@ -167,23 +165,23 @@ class FaceChart:
         return self._met[key]
 
     def _found(self, uv: Array, depth_mm: float) -> tuple[Array, Array]:
-        lines, frames = self.laid.line(uv)
-        reach = self.laid.thickness_mm
+        lines, frames = self.placement.line(uv)
+        reach = self.placement.thickness_mm
         if self._on_back(depth_mm) and self.back is not None:
-            return self.back.meet(lines, frames, self.laid.at_depth(uv, reach), reach)
+            return self.back.meet(lines, frames, self.placement.at_depth(uv, reach), reach)
         images, points = self.front.meet(lines, frames, lines, reach)
         if depth_mm == 0.0:
             return images, points
         inward = -frames[:, 2]
-        if not isinstance(self.laid, Projected):
+        if not isinstance(self.placement, Projected):
             inward = -self.front.normals(images)
         return images, points + depth_mm * inward
 
 
-def _square(skin: Skin, laid: Projected) -> bool:
+def _square(face: ExactFace, placement: Projected) -> bool:
     """Whether a face is a plane square to the projection's axis."""
-    if not skin.is_plane:
+    if not face.is_plane:
         return False
-    u0, u1, v0, v1 = skin.bounds
-    (normal,) = skin.normals(np.array([[(u0 + u1) / 2, (v0 + v1) / 2]]))
-    return 1 - abs(float(normal @ laid.frame_at_centre.axes[2])) < SQUARE
+    u0, u1, v0, v1 = face.bounds
+    (normal,) = face.normals(np.array([[(u0 + u1) / 2, (v0 + v1) / 2]]))
+    return 1 - abs(float(normal @ placement.frame_at_centre.axes[2])) < SQUARE

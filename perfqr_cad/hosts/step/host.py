@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """A solid that receives a code: its exact faces, its mesh, and where things are on it."""
 
 from __future__ import annotations
@@ -12,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.hosts.body import Array, Body, body_of_solid
-from perfqr_cad.hosts.step.skin import Skin
-from perfqr_cad.hosts.wall import Frame, frame_at
+from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.hosts.body import Body, body_of_solid
+from perfqr_cad.hosts.frame import Frame, frame_at
+from perfqr_cad.hosts.step.exact_face import ExactFace
 from perfqr_cad.solid.kernel import booleans as kernel
 from perfqr_cad.solid.kernel import occ
 
@@ -50,9 +49,9 @@ class Host:
         return kernel.faces(self.shape)
 
     @cached_property
-    def skins(self) -> list[Skin]:
+    def exact_faces(self) -> list[ExactFace]:
         """The same as exact surfaces."""
-        return [Skin(face) for face in self.faces]
+        return [ExactFace(face) for face in self.faces]
 
     @cached_property
     def body(self) -> Body:
@@ -68,27 +67,20 @@ class Host:
     @cached_property
     def edge_points(self) -> Array:
         """Points (k, 3) along all edges, seams included, at most `EDGE_STEP_MM` apart on edges of common
-        length.
-        """
+        length."""
         return np.vstack([p for face in self.faces for p in kernel.edge_points(face, EDGE_STEP_MM)])
 
     def has_edges_under(self, frame: Frame, size_mm: float, depth_mm: float) -> bool:
         """Whether an edge runs through the box under a code, from just before its front to `depth_mm`
-        behind.
-        """
+        behind."""
         x, y, h = frame.to_frame(self.edge_points).T
         return bool(
             np.any((np.maximum(np.abs(x), np.abs(y)) < size_mm / 2) & (h < depth_mm) & (h > -depth_mm))
         )
 
-    def nearest(self, point: Array) -> tuple[int, Array]:
-        """The face nearest to a point, by place, and the nearest point on it."""
-        triangle, on = self.body.nearest(point)
-        return int(self.body.face_of[triangle]), on
-
     def frame_near(self, face: int, point: Array, up: ArrayLike | None) -> Frame | None:
         """The frame at the exact point of a face nearest to a point; None where it has no normal."""
-        foot = self.skins[face].foot(point)
+        foot = self.exact_faces[face].foot(point)
         if foot is None:
             return None
         return frame_at(*foot, up)

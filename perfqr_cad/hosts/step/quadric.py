@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Where lines meet planes, cylinders, cones and spheres: closed forms, poles and seams included."""
 
 from __future__ import annotations
@@ -17,7 +15,7 @@ from OCP.Geom import (
     Geom_Surface,
 )
 
-from perfqr_cad.hosts.body import Array
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.solid.kernel.evaluate import frame_of
 
 LEVEL = 1e-14  # of the squared direction: a quadratic coefficient below is none
@@ -38,8 +36,7 @@ class Quadric:
 
     def meet(self, guesses: Array, directions: Array) -> tuple[Array, Array]:
         """Parameters (k, 2) and points (k, 3) where lines meet the surface, nearest to points on them; NaN
-        where they do not.
-        """
+        where they do not."""
         p, d = (guesses - self.origin) @ self.axes.T, directions @ self.axes.T
         with np.errstate(divide="ignore", invalid="ignore"):
             along = -p[:, 2] / d[:, 2] if self.radius is None else self._nearest_root(p, d)

@@ -10,16 +10,16 @@ from functools import cache
 import numpy as np
 
 from perfqr_cad.pattern.bridge import Bridge
+from perfqr_cad.pattern.cells.brightness import solid_part
+from perfqr_cad.pattern.cells.canvas import Canvas
 from perfqr_cad.pattern.cells.lattice import Cells, Lattice, checkerboards, label
-from perfqr_cad.pattern.drawing.draft import Draft
-from perfqr_cad.pattern.drawing.sampling import brightness
 
 MAX_LINK_ROUNDS = 8  # a link may make its neighbours touch at a corner; each round only joins more
 
 
 def link_corners(
-    draft: Draft, web_mm: float, gap_mm: float, right_solid: Cells, sparing: bool = False
-) -> Draft:
+    canvas: Canvas, web_mm: float, gap_mm: float, right_solid: Cells, sparing: bool = False
+) -> Canvas:
     """Joins solid cells that meet at a corner only, by a 45° band of the least web.
 
     A corner left as it is would be a non-manifold edge of the solid. The band takes a triangle from each of
@@ -29,48 +29,42 @@ def link_corners(
     right_solid  (n, n) modules that ought to be material
     sparing      part also the corners of pieces that are joined already: fine art changes less by it
     """
-    parted = _superfluous(draft) if sparing else set[tuple[int, int]]()
-    linked = draft
+    parted = _superfluous(canvas) if sparing else set[tuple[int, int]]()
+    linked = canvas
     for _ in range(MAX_LINK_ROUNDS):
-        linked = _linked(draft, web_mm, gap_mm, parted)
-        harmed = ((brightness(draft.lattice) >= 0.5) == right_solid) & (
-            (brightness(linked.lattice) >= 0.5) != right_solid
+        linked = _linked(canvas, web_mm, gap_mm, parted)
+        harmed = ((solid_part(canvas.lattice) >= 0.5) == right_solid) & (
+            (solid_part(linked.lattice) >= 0.5) != right_solid
         )
-        guilty = _corners_near(draft, harmed) - parted
+        guilty = _corners_near(canvas, harmed) - parted
         if not guilty:
             return linked
         parted |= guilty
     return linked
 
 
-def _superfluous(draft: Draft) -> set[tuple[int, int]]:
+def _superfluous(canvas: Canvas) -> set[tuple[int, int]]:
     """Corners, x and y, between pieces that other corners join."""
-    labels, _ = label(draft.upright)
-    leader: dict[int, int] = {}
+    from scipy.cluster.hierarchy import DisjointSet
 
-    def find(piece: int) -> int:
-        while leader.setdefault(piece, piece) != piece:
-            leader[piece] = piece = leader[leader[piece]]
-        return piece
-
+    labels, count = label(canvas.upright)
+    pieces = DisjointSet(range(count + 1))
     spare: set[tuple[int, int]] = set()
-    for x, y in checkerboards(draft.upright).tolist():
-        falling = bool(draft.upright[y - 1, x - 1])
+    for x, y in checkerboards(canvas.upright).tolist():
+        falling = bool(canvas.upright[y - 1, x - 1])
         one, other = (labels[y - 1, x - 1], labels[y, x]) if falling else (labels[y - 1, x], labels[y, x - 1])
-        a, b = find(int(one)), find(int(other))
-        if a == b:
+        if not pieces.merge(int(one), int(other)):
             spare.add((x, y))
-        leader[a] = b
     return spare
 
 
-def _corners_near(draft: Draft, modules: Cells) -> set[tuple[int, int]]:
+def _corners_near(canvas: Canvas, modules: Cells) -> set[tuple[int, int]]:
     """Checkerboard corners within the given modules, x and y."""
     if not modules.any():
         return set()
-    lattice = draft.lattice
+    lattice = canvas.lattice
     u, edge = lattice.per_module, lattice.quiet * lattice.per_module
-    corners = checkerboards(draft.upright)
+    corners = checkerboards(canvas.upright)
     # A corner on the edge between two modules is far from either centre: it may count for any of them.
     column, row = ((corners - edge) // u).T
     inside = (column >= 0) & (row >= 0) & (column < len(modules)) & (row < len(modules))
@@ -78,19 +72,19 @@ def _corners_near(draft: Draft, modules: Cells) -> set[tuple[int, int]]:
     return {(int(x), int(y)) for x, y in corners[modules[row, column]]}
 
 
-def _linked(draft: Draft, web_mm: float, gap_mm: float, parted: set[tuple[int, int]]) -> Draft:
+def _linked(canvas: Canvas, web_mm: float, gap_mm: float, parted: set[tuple[int, int]]) -> Canvas:
     """Every corner joined or, if it is named, parted; joining may make others touch, so it is repeated."""
-    lattice = draft.lattice
+    lattice = canvas.lattice
     # One cell more than the neck needs: where a stair is cut by other work its cells alone must hold.
     web_leg = lattice.whole(web_mm / math.sqrt(2)) + 1
     gap_leg = lattice.whole(gap_mm / math.sqrt(2))
     for _ in range(MAX_LINK_ROUNDS):
-        corners = checkerboards(draft.upright)
+        corners = checkerboards(canvas.upright)
         if not len(corners):
             break
-        solid, upright, laid = draft.solid.copy(), draft.upright.copy(), []
+        solid, upright, laid = canvas.solid.copy(), canvas.upright.copy(), []
         for x, y in corners.tolist():
-            falling = bool(draft.upright[y - 1, x - 1])  # solid at the top left and the bottom right
+            falling = bool(canvas.upright[y - 1, x - 1])  # solid at the top left and the bottom right
             if (x, y) in parted:
                 for cells in (solid, upright):
                     _cut_band(cells, x, y, gap_leg, not falling)
@@ -98,10 +92,10 @@ def _linked(draft: Draft, web_mm: float, gap_mm: float, parted: set[tuple[int, i
             for cells in (solid, upright):
                 paint_band(cells, x, y, web_leg, falling)
             laid.append(_corner_bridge(lattice, x, y, web_leg, falling))
-        draft = replace(
-            draft, lattice=lattice.with_solid(solid), upright=upright, bridges=(*draft.bridges, *laid)
+        canvas = replace(
+            canvas, lattice=lattice.with_solid(solid), upright=upright, bridges=(*canvas.bridges, *laid)
         )
-    return draft.counted(corners_parted=len(parted))
+    return canvas.counted(corners_parted=len(parted))
 
 
 def paint_band(solid: Cells, x: int, y: int, leg: int, falling: bool) -> None:

@@ -4,60 +4,60 @@ from __future__ import annotations
 
 import numpy as np
 
+from perfqr_cad.pattern.cells.brightness import CENTRE_PART, solid_part
+from perfqr_cad.pattern.cells.canvas import Canvas
 from perfqr_cad.pattern.cells.lattice import Cells, opened
-from perfqr_cad.pattern.drawing.draft import Draft
-from perfqr_cad.pattern.drawing.sampling import CENTRE_PART, brightness
 
 MOST_ROUNDS = 4  # growing material thins the gaps beside it, and the other way round
 NAMES = {True: ("webs_dropped", "webs_grown"), False: ("gaps_filled", "gaps_grown")}
 
 
-def tidy(draft: Draft, right_solid: Cells, web: int, gap: int) -> Draft:
+def tidy(canvas: Canvas, right_solid: Cells, web: int, gap: int) -> Canvas:
     """No material thinner than `web` cells and no gap thinner than `gap`, as far as modules allow.
 
     right_solid  (n, n) modules that ought to be material
     """
     for _ in range(MOST_ROUNDS):
-        mended = _mended(_mended(draft, right_solid, web, True), right_solid, gap, False)
-        if mended is draft:
-            return draft
-        draft = mended
-    return _without_specks(draft, web)
+        mended = _mended(_mended(canvas, right_solid, web, True), right_solid, gap, False)
+        if mended is canvas:
+            return canvas
+        canvas = mended
+    return _without_specks(canvas, web)
 
 
-def fill_slivers(draft: Draft, right_solid: Cells, gap: int) -> Draft:
+def fill_slivers(canvas: Canvas, right_solid: Cells, gap: int) -> Canvas:
     """Gaps thinner than `gap` cells filled, where no module is lost by it."""
-    return _mended(draft, right_solid, gap, solid=False, grow=False)
+    return _mended(canvas, right_solid, gap, solid=False, grow=False)
 
 
-def _mended(draft: Draft, right_solid: Cells, side: int, solid: bool, grow: bool = True) -> Draft:
-    body = draft.solid if solid else ~draft.solid
+def _mended(canvas: Canvas, right_solid: Cells, side: int, solid: bool, grow: bool = True) -> Canvas:
+    body = canvas.solid if solid else ~canvas.solid
     thin = body & ~opened(body, side)
     if not thin.any():
-        return draft
+        return canvas
     import cv2
 
     count, found, boxes, _ = cv2.connectedComponentsWithStats(thin.astype(np.uint8), connectivity=8)
     parts = np.asarray(found, np.int32)
-    needed = _needed(draft, right_solid, thin, parts, count)
+    needed = _needed(canvas, right_solid, thin, parts, count)
     drop = thin & ~needed[parts]
-    grown = draft.with_cells(drop, not solid) if drop.any() else draft
+    grown = canvas.with_cells(drop, not solid) if drop.any() else canvas
     kept = np.flatnonzero(needed)
     if grow and len(kept):
         grown = grown.with_cells(_grown(parts, np.asarray(boxes), kept, side), solid)
     dropped_name, grown_name = NAMES[solid]
     return (
         grown.counted(**{dropped_name: count - 1 - len(kept), grown_name: len(kept) if grow else 0})
-        if grown is not draft
-        else draft
+        if grown is not canvas
+        else canvas
     )
 
 
-def _needed(draft: Draft, right_solid: Cells, thin: Cells, parts: np.ndarray, count: int) -> np.ndarray:
+def _needed(canvas: Canvas, right_solid: Cells, thin: Cells, parts: np.ndarray, count: int) -> np.ndarray:
     """(count,) parts without which a module would be misread that is read right with them."""
-    lattice = draft.lattice
-    right_now = (brightness(lattice) >= 0.5) == right_solid
-    right_then = (brightness(lattice.with_solid(draft.solid ^ thin)) >= 0.5) == right_solid
+    lattice = canvas.lattice
+    right_now = (solid_part(lattice) >= 0.5) == right_solid
+    right_then = (solid_part(lattice.with_solid(canvas.solid ^ thin)) >= 0.5) == right_solid
     needed = np.zeros(count, np.bool_)
     u, edge = lattice.per_module, lattice.quiet * lattice.per_module
     low, high = int(u * (1 - CENTRE_PART) / 2), -int(-u * (1 + CENTRE_PART) // 2)
@@ -97,15 +97,15 @@ def _thickened(part: Cells, side: int) -> Cells:
     return np.asarray(cv2.dilate(part.astype(np.uint8), np.ones((more + 1, more + 1), np.uint8)), np.bool_)
 
 
-def _without_specks(draft: Draft, web: int) -> Draft:
+def _without_specks(canvas: Canvas, web: int) -> Canvas:
     """Pieces of material that nowhere reach the least web are given up."""
     import cv2
 
-    count, found = cv2.connectedComponents(draft.solid.astype(np.uint8), connectivity=4)
+    count, found = cv2.connectedComponents(canvas.solid.astype(np.uint8), connectivity=4)
     pieces = np.asarray(found, np.int32)
     sound = np.zeros(count, np.bool_)
-    sound[np.unique(pieces[opened(draft.solid, web)])] = True
-    lost = draft.solid & ~sound[pieces]
+    sound[np.unique(pieces[opened(canvas.solid, web)])] = True
+    lost = canvas.solid & ~sound[pieces]
     if not lost.any():
-        return draft
-    return draft.with_cells(lost, solid=False).counted(specks_lost=count - 1 - int(sound[1:].sum()))
+        return canvas
+    return canvas.with_cells(lost, solid=False).counted(specks_lost=count - 1 - int(sound[1:].sum()))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import LEAST_MM, Line, Loop, Points
+from perfqr_cad.geometry.rings import following, owners, preceding, starts_of
 from perfqr_cad.pattern.cells.lattice import Cells, Indices, checkerboards
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ Items = NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)
-class Rings:
+class Boundaries:
     """Closed chains of corners: ring i is `points[bounds[i]:bounds[i + 1]]`, the first corner not repeated.
 
     points  (k, 2) x, y; bounds (rings + 1,)
@@ -31,10 +32,10 @@ class Rings:
     bounds: Indices
 
     @staticmethod
-    def of(chains: list[Points]) -> Rings:
-        """Rings of (k, 2) corners each."""
+    def of(chains: list[Points]) -> Boundaries:
+        """Boundaries of (k, 2) corners each."""
         points = np.concatenate(chains) if chains else np.empty((0, 2))
-        return Rings(points.astype(np.float64), _bounds(np.array([len(c) for c in chains], np.int64)))
+        return Boundaries(points.astype(np.float64), starts_of(map(len, chains)))
 
     def __len__(self) -> int:
         return len(self.bounds) - 1
@@ -47,7 +48,7 @@ class Rings:
     @cached_property
     def owner(self) -> Indices:
         """(k,) ring of each corner."""
-        return np.repeat(np.arange(len(self)), self.sizes)
+        return owners(self.bounds)
 
     def after(self, items: Items) -> Items:
         """For each corner the item of the corner that follows it."""
@@ -59,17 +60,11 @@ class Rings:
 
     @cached_property
     def _following(self) -> Indices:
-        at = np.arange(1, len(self.points) + 1)
-        full = self.sizes > 0
-        at[self.bounds[1:][full] - 1] = self.bounds[:-1][full]
-        return at
+        return following(self.bounds)
 
     @cached_property
     def _preceding(self) -> Indices:
-        at = np.arange(-1, len(self.points) - 1)
-        full = self.sizes > 0
-        at[self.bounds[:-1][full]] = self.bounds[1:][full] - 1
-        return at
+        return preceding(self.bounds)
 
     def total(self, items: Items) -> Items:
         """(rings,) sum over the corners of each ring."""
@@ -88,18 +83,18 @@ class Rings:
         lines = [Line(corners[k], corners[j]) for k, j in enumerate(rings._following.tolist())]
         return [Loop(tuple(lines[a:b])) for a, b in pairwise(rings.bounds.tolist())]
 
-    def only(self, corners: Cells) -> Rings:
+    def only(self, corners: Cells) -> Boundaries:
         """The rings with the given corners left, of some rings perhaps none."""
-        return Rings(self.points[corners], _bounds(self.total(corners).astype(np.int64)))
+        return Boundaries(self.points[corners], starts_of(self.total(corners).astype(np.int64)))
 
-    def where(self, chosen: Cells, other: Rings) -> Rings:
+    def where(self, chosen: Cells, other: Boundaries) -> Boundaries:
         """The chosen rings as here, the rest as they are in `other`."""
         sizes = np.where(chosen, self.sizes, other.sizes)
         points = np.empty((int(sizes.sum()), 2))
         here = np.repeat(chosen, sizes)
         points[here] = self.points[np.repeat(chosen, self.sizes)]
         points[~here] = other.points[np.repeat(~chosen, other.sizes)]
-        return Rings(points, _bounds(sizes))
+        return Boundaries(points, starts_of(sizes))
 
     def polygons(self) -> Items:
         """(rings,) shapely polygons, one for each ring."""
@@ -125,11 +120,7 @@ class Rings:
         return np.asarray(shapely.linearrings(self.points, indices=self.owner))
 
 
-def _bounds(sizes: Indices) -> Indices:
-    return np.concatenate([[0], np.cumsum(sizes)])
-
-
-def trace(solid: Cells) -> Rings:
+def trace(solid: Cells) -> Boundaries:
     """Boundary rings in lattice x, y; the solid lies on the left with y up.
 
     Every vertex is a true corner. Rows of corners pair up into horizontal edges and columns into vertical
@@ -156,7 +147,7 @@ def _paired(order: Indices) -> Indices:
     return partner
 
 
-def _walk(corners: Indices, across: Indices, down: Indices, forwards: Cells) -> Rings:
+def _walk(corners: Indices, across: Indices, down: Indices, forwards: Cells) -> Boundaries:
     order: list[int] = []
     bounds = [0]
     seen = [False] * len(corners)
@@ -170,10 +161,10 @@ def _walk(corners: Indices, across: Indices, down: Indices, forwards: Cells) -> 
             order += (at, over[at])
             at = under[over[at]]
         bounds.append(len(order))
-    return Rings(corners[order].astype(np.float64), np.array(bounds))
+    return Boundaries(corners[order].astype(np.float64), np.array(bounds))
 
 
-def sharpened(rings: Rings) -> Rings:
+def sharpened(rings: Boundaries) -> Boundaries:
     """Traced rings whose stairs of single cells are read as 45° edges.
 
     Every edge becomes a line, a stair one line through the solid's outward corners; corners are where
@@ -188,7 +179,7 @@ def sharpened(rings: Rings) -> Rings:
     first = after(outward)  # the edge before an outward corner, where the one after it is `outward`
     point = np.where(first[:, None], after(points), points)
     along = np.where(first[:, None], edge + after(edge), np.sign(edge))
-    lines = Rings(point, rings.bounds).only(~outward)
+    lines = Boundaries(point, rings.bounds).only(~outward)
     along = along[~outward]
     same = _cross(lines.before(along), along) == 0
     same &= _cross(along, lines.before(lines.points) - lines.points) == 0
@@ -197,7 +188,7 @@ def sharpened(rings: Rings) -> Rings:
     turning = _cross(towards, along)
     sound = (rings.total(outward) > 0) & (lines.sizes >= 3) & (lines.total(turning == 0) == 0)
     reach = _cross(lines.points - origin, along) / np.where(turning == 0, 1, turning)
-    return Rings(origin + reach[:, None] * towards, lines.bounds).where(sound, rings)
+    return Boundaries(origin + reach[:, None] * towards, lines.bounds).where(sound, rings)
 
 
 def _cross(a: Items, b: Items) -> Items:

@@ -8,22 +8,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from perfqr_cad.pattern.cells.lattice import Cells, Labels, label
-from perfqr_cad.pattern.drawing.draft import Bar, Draft, Rect
-from perfqr_cad.pattern.drawing.sampling import (
+from perfqr_cad.pattern.cells.brightness import (
     blur_weights,
-    brightness,
-    misread_chance,
+    module_misread_chance,
     right_contrast,
     sample_weights,
     sampled,
     sampled_part,
+    solid_part,
 )
+from perfqr_cad.pattern.cells.canvas import Bar, Canvas, Rect
+from perfqr_cad.pattern.cells.lattice import Cells, Labels, label
 from perfqr_cad.pattern.joining.brush import Field, brush_grid, brush_positions, held_positions
 from perfqr_cad.pattern.joining.junctions import cheapest_without_loss
 from perfqr_cad.pattern.joining.routing import Route, Router
-from perfqr_cad.pattern.joining.spanning import Conflict, Link, cheapest, kruskal
-from perfqr_cad.pattern.pattern import Optimality
+from perfqr_cad.pattern.joining.spanning import Conflict, Link, Optimality, cheapest, kruskal
 from perfqr_cad.symbol import Role, Symbol, layout
 
 AREA_PRICE = 0.06  # expected misread modules that a module's area of change is worth: appearance comes last
@@ -40,26 +39,26 @@ STAR_QUANTILE = 0.5  # of the tree's prices: no arm of a junction is dearer
 
 
 def join(
-    draft: Draft,
+    canvas: Canvas,
     symbol: Symbol,
     scale: int,
     web_mm: float,
     solid_is_dark: bool,
     time_limit_s: float,
     pieces: Labels | None = None,
-) -> tuple[Draft, Optimality | None]:
+) -> tuple[Canvas, Optimality | None]:
     """All islands joined at the least cost over the candidate routes, and the proof.
 
     pieces  numbers the cells of what is to be joined, where it is not simply the solid cells that share edges
     """
-    labels = label(draft.solid)[0] if pieces is None else pieces
+    labels = label(canvas.solid)[0] if pieces is None else pieces
     count = int(labels.max())
     if count <= 1:
-        return draft, Optimality(0.0, 0.0, 0.0, 0.0)
-    lattice = draft.lattice
+        return canvas, Optimality(0.0, 0.0, 0.0, 0.0)
+    lattice = canvas.lattice
     brush, step = lattice.whole(web_mm), brush_step(lattice.per_module, scale)
-    draft, labels, held = stand_on_grid(draft, labels, count, brush, step)
-    grid = brush_grid(labels, held, cell_price(draft, symbol, solid_is_dark), brush, step)
+    canvas, labels, held = widened_to_grid(canvas, labels, count, brush, step)
+    grid = brush_grid(labels, held, cell_price(canvas, symbol, solid_is_dark), brush, step)
     router = Router(grid, LENGTH_PRICE * AREA_PRICE * brush * step / lattice.per_module**2, BAR_PRICE)
     pairs = router.pairs()
     prices = [pairs[k].price for k in kruskal([Link(route.islands, route.price) for route in pairs])]
@@ -67,21 +66,21 @@ def join(
     links = [Link(route.islands, route.price) for route in pairs + stars]
     chosen, optimality = cheapest_without_loss(links[: len(pairs)], links[len(pairs) :])
     routes = [(pairs + stars)[k] for k in chosen]
-    routes = [router.drawn(route) if len(route.islands) > 2 else route for route in routes]
-    painted = _painted(draft, routes, brush)
-    damage = Damage.of(draft, symbol, solid_is_dark)
+    routes = [router.with_arms(route) if len(route.islands) > 2 else route for route in routes]
+    painted = _painted(canvas, routes, brush)
+    damage = Damage.of(canvas, symbol, solid_is_dark)
     if damage.joint(painted, routes, chosen, links, brush):
-        routes, optimality = _least_loss(draft, damage, pairs + routes, brush, time_limit_s)
-        painted = _painted(draft, routes, brush)
+        routes, optimality = _least_loss(canvas, damage, pairs + routes, brush, time_limit_s)
+        painted = _painted(canvas, routes, brush)
     return painted, optimality
 
 
-def _painted(draft: Draft, routes: Sequence[Route], brush: int) -> Draft:
-    return draft.with_bars([route_bars(route, brush) for route in routes], "connectivity")
+def _painted(canvas: Canvas, routes: Sequence[Route], brush: int) -> Canvas:
+    return canvas.with_bars([route_bars(route, brush) for route in routes], "connectivity")
 
 
 def _least_loss(
-    draft: Draft, damage: Damage, candidates: Sequence[Route], brush: int, time_limit_s: float
+    canvas: Canvas, damage: Damage, candidates: Sequence[Route], brush: int, time_limit_s: float
 ) -> tuple[list[Route], Optimality]:
     """The routes that lose the fewest codewords, where every choice by price alone loses some."""
     links = [Link(r.islands, r.price, damage.codewords(r.rectangles(brush))) for r in candidates]
@@ -89,7 +88,7 @@ def _least_loss(
     while True:
         chosen, optimality = cheapest(links, conflicts, time_limit_s / CONFLICT_ROUNDS)
         routes = [candidates[k] for k in chosen]
-        more = damage.joint(_painted(draft, routes, brush), routes, chosen, links, brush)
+        more = damage.joint(_painted(canvas, routes, brush), routes, chosen, links, brush)
         conflicts += more
         if not more or len(conflicts) > MOST_CONFLICTS:
             return routes, optimality
@@ -104,28 +103,28 @@ def brush_step(per_module: int, scale: int) -> int:
     return min(half * math.ceil(per_module / MOST_STEPS / half), per_module // LEAST_STEPS)
 
 
-def stand_on_grid(
-    draft: Draft, labels: Labels, count: int, brush: int, step: int
-) -> tuple[Draft, Labels, Cells]:
-    """Widens the islands on which the brush has no position on its grid, so that it has.
+def widened_to_grid(
+    canvas: Canvas, labels: Labels, count: int, brush: int, step: int
+) -> tuple[Canvas, Labels, Cells]:
+    """The islands on which the brush has no position on its grid widened, so that it has.
 
     Returns the positions, too, on which the brush is held.
     """
-    at = brush_positions(len(draft.solid), brush, step)
-    held = held_positions(draft.solid, brush, step)
+    at = brush_positions(len(canvas.solid), brush, step)
+    held = held_positions(canvas.solid, brush, step)
     middle = np.ix_(at + brush // 2, at + brush // 2)
     reached = np.zeros(count + 1, np.bool_)
     reached[0] = True
     reached[labels[middle][held]] = True
     if reached.all():
-        return draft, labels, held
+        return canvas, labels, held
     import cv2
 
-    depth = cv2.distanceTransform(draft.solid.astype(np.uint8), cv2.DIST_L2, 5)
+    depth = cv2.distanceTransform(canvas.solid.astype(np.uint8), cv2.DIST_L2, 5)
     ys, xs = np.nonzero(~reached[labels])
     order = np.lexsort((-depth[ys, xs], labels[ys, xs]))
     first = order[np.unique(labels[ys, xs][order], return_index=True)[1]]
-    widened, labels = np.zeros_like(draft.solid), labels.copy()
+    widened, labels = np.zeros_like(canvas.solid), labels.copy()
     for y, x in zip(ys[first].tolist(), xs[first].tolist(), strict=True):
         # The brush where the island is deepest, and at the nearest position: a web all the way.
         (left, right), (top, bottom) = (
@@ -136,17 +135,18 @@ def stand_on_grid(
         square = np.s_[max(top, 0) : bottom, max(left, 0) : right]
         widened[square] = True
         labels[square] = labels[y, x]
-    draft = draft.with_cells(widened, solid=True).counted(webs_grown=len(first))
-    return draft, labels, held_positions(draft.solid, brush, step)
+    canvas = canvas.with_cells(widened, solid=True).counted(webs_grown=len(first))
+    return canvas, labels, held_positions(canvas.solid, brush, step)
 
 
-def cell_price(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Field:
+def cell_price(canvas: Canvas, symbol: Symbol, solid_is_dark: bool) -> Field:
     """(cells, cells) price of making a void cell solid: expected misread modules more, and its area."""
-    lattice = draft.lattice
+    lattice = canvas.lattice
     u, quiet, n = lattice.per_module, lattice.quiet, lattice.modules
     contrast = right_contrast(lattice, symbol, solid_is_dark)
     harmful = symbol.matrix.dark != solid_is_dark
-    rise = harmful * (misread_chance(contrast - BRIDGE_DOSE) - misread_chance(contrast)) / BRIDGE_DOSE
+    before, after = module_misread_chance(contrast), module_misread_chance(contrast - BRIDGE_DOSE)
+    rise = harmful * (after - before) / BRIDGE_DOSE
     weights = blur_weights(n, quiet, u).T.tocsr()
     price = weights @ (weights @ rise.T).T
     by_module = price.reshape(n + 2 * quiet, u, n + 2 * quiet, u)
@@ -156,7 +156,7 @@ def cell_price(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Field:
     part, centre = sampled_part(u), sample_weights(u)
     inner = by_module[quiet : quiet + n, part, quiet : quiet + n, part]
     inner += np.einsum("rc,y,x->rycx", CENTRE_PRICE * harmful, centre[part], centre[part])
-    price *= ~draft.solid
+    price *= ~canvas.solid
     return price
 
 
@@ -172,31 +172,31 @@ class Damage:
     wrong  (n, n) modules that are read wrong before any route is painted
     """
 
-    draft: Draft
+    canvas: Canvas
     codeword_of: np.ndarray
     solid_is_right: Cells
     wrong: Cells
 
     @staticmethod
-    def of(draft: Draft, symbol: Symbol, solid_is_dark: bool) -> Damage:
+    def of(canvas: Canvas, symbol: Symbol, solid_is_dark: bool) -> Damage:
         right = symbol.matrix.dark == solid_is_dark
-        wrong = (brightness(draft.lattice) >= 0.5) != right
-        return Damage(draft, _protected_groups(symbol), right, wrong)
+        wrong = (solid_part(canvas.lattice) >= 0.5) != right
+        return Damage(canvas, _protected_groups(symbol), right, wrong)
 
     def codewords(self, rectangles: Sequence[tuple[int, int, int, int]]) -> frozenset[int]:
         """Codewords that are right before and wrong after these cells are painted."""
-        return self._lost(self._flipped(self.draft.solid, rectangles))
+        return self._lost(self._flipped(self.canvas.solid, rectangles))
 
     def joint(
         self,
-        painted: Draft,
+        painted: Canvas,
         routes: Sequence[Route],
         chosen: Sequence[int],
         links: Sequence[Link],
         brush: int,
     ) -> list[Conflict]:
         """Losses of a whole choice that no single route accounts for, each with the routes that share it."""
-        wrong = ((brightness(painted.lattice) >= 0.5) != self.solid_is_right) & ~self.wrong
+        wrong = ((solid_part(painted.lattice) >= 0.5) != self.solid_is_right) & ~self.wrong
         known = set[int]().union(*(links[k].codewords for k in chosen))
         found: list[Conflict] = []
         for row, column in np.argwhere(wrong & (self.codeword_of >= 0)).tolist():
@@ -213,7 +213,7 @@ class Damage:
 
     def _flipped(self, solid: Cells, rectangles: Sequence[tuple[int, int, int, int]]) -> np.ndarray:
         """(k, 2) row and column of modules that the painted cells turn wrong."""
-        lattice = self.draft.lattice
+        lattice = self.canvas.lattice
         u, quiet, n = lattice.per_module, lattice.quiet, lattice.modules
         x0, y0 = (max(0, min(r[k] for r in rectangles) // u - quiet) for k in (0, 1))
         x1, y1 = (min(n, -(-max(r[k] for r in rectangles) // u) - quiet) for k in (2, 3))
@@ -233,7 +233,7 @@ class Damage:
         return frozenset(np.setdiff1d(groups[groups >= 0], already).tolist())
 
     def _covers(self, rect: tuple[int, int, int, int], row: int, column: int) -> bool:
-        u, quiet = self.draft.lattice.per_module, self.draft.lattice.quiet
+        u, quiet = self.canvas.lattice.per_module, self.canvas.lattice.quiet
         left, top = (column + quiet) * u, (row + quiet) * u
         return rect[0] < left + u and rect[2] > left and rect[1] < top + u and rect[3] > top
 

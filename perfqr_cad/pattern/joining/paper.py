@@ -1,10 +1,9 @@
 """The paper's own connectivity optimisation (§5.1, Eq. (4), Fig. 8): the baseline of every comparison.
 
 Points p on the contour of each island look out in a fan of directions; what they see first, q, is a
-candidate.
-From an island picked at random the piece grows: each time the cheapest of λ·L(Q) + ‖p − q‖² is laid, and Q
-is sampled again. The paper names no unit of length; here it is the edge of the symbol, so that both terms lie
-between 0 and 1 and λ = 1 weighs them alike.
+candidate. From an island picked at random the piece grows: each time the cheapest of λ·L(Q) + ‖p − q‖² is
+laid, and Q is sampled again. The paper names no unit of length; here it is the edge of the symbol, so that
+both terms lie between 0 and 1 and λ = 1 weighs them alike.
 """
 
 from __future__ import annotations
@@ -18,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.pattern.bridge import Bridge
+from perfqr_cad.pattern.cells.brightness import sampled, solid_part
+from perfqr_cad.pattern.cells.canvas import Canvas, paint_strip
 from perfqr_cad.pattern.cells.corners import paint_band
 from perfqr_cad.pattern.cells.lattice import Cells, Labels, label
-from perfqr_cad.pattern.drawing.draft import Draft, paint_strip, strip
-from perfqr_cad.pattern.drawing.sampling import brightness, sampled
 from perfqr_cad.symbol import Matrix, ReadabilityTracker, Symbol
 
 DIRECTIONS = 16  # of the fan that a contour point looks out in
@@ -30,7 +29,7 @@ MOST_PER_PAIR = 24  # nearest candidates that are weighed for each two islands
 
 
 @dataclass(frozen=True)
-class Sight:
+class SightLine:
     """Cells p and q of two islands that see each other; `gap` is what lies between, in cells."""
 
     islands: tuple[int, int]
@@ -40,17 +39,17 @@ class Sight:
 
 
 def join_paper(
-    draft: Draft, symbol: Symbol, web_mm: float, loss_weight: float, solid_is_dark: bool, seed: int
-) -> tuple[Draft, tuple[float, ...]]:
+    canvas: Canvas, symbol: Symbol, web_mm: float, loss_weight: float, solid_is_dark: bool, seed: int
+) -> tuple[Canvas, tuple[float, ...]]:
     """Islands merged by Eq. (4), and L(Q) after each connector; λ = 0 is the plain spanning tree."""
-    labels, count = label(draft.solid)
-    work = _Work(draft, symbol, web_mm, solid_is_dark)
-    outlook: dict[int, list[Sight]] = {}
-    for sight in sights(labels, draft.lattice.per_module):
+    labels, count = label(canvas.solid)
+    work = _Work(canvas, symbol, web_mm, solid_is_dark)
+    outlook: dict[int, list[SightLine]] = {}
+    for sight in sights(labels, canvas.lattice.per_module):
         outlook.setdefault(sight.islands[0], []).append(sight)
     start = int(np.random.default_rng(seed).integers(1, count + 1))
     inside, losses = {start}, [work.loss]
-    heap: list[tuple[float, int, int, Sight]] = []
+    heap: list[tuple[float, int, int, SightLine]] = []
     order = 0
 
     def look_out(island: int) -> None:
@@ -73,10 +72,10 @@ def join_paper(
         losses.append(work.loss)
         inside.add(sight.islands[1])
         look_out(sight.islands[1])
-    return work.draft(), tuple(losses)
+    return work.canvas(), tuple(losses)
 
 
-def sights(labels: Labels, per_module: int) -> Iterator[Sight]:
+def sights(labels: Labels, per_module: int) -> Iterator[SightLine]:
     """What contour cells see first in each direction of the fan, the nearest few for each two islands."""
     solid = labels > 0
     inner = solid.copy()
@@ -92,7 +91,7 @@ def sights(labels: Labels, per_module: int) -> Iterator[Sight]:
     first = np.searchsorted(pair, pair)  # where the run of the same two islands begins
     rank = np.arange(len(order)) - first
     for k in order[rank < MOST_PER_PAIR].tolist():
-        yield Sight(
+        yield SightLine(
             (int(own[k]), int(other[k])), (int(x0[k]), int(y0[k])), (int(x1[k]), int(y1[k])), float(gap[k])
         )
 
@@ -124,12 +123,12 @@ def _cast(
 class _Work:
     """Cells and Q while connectors are laid one by one."""
 
-    def __init__(self, draft: Draft, symbol: Symbol, web_mm: float, solid_is_dark: bool) -> None:
-        self._draft, self._web_mm, self._solid_is_dark = draft, web_mm, solid_is_dark
-        self._solid, self._upright = draft.solid.copy(), draft.upright.copy()
+    def __init__(self, canvas: Canvas, symbol: Symbol, web_mm: float, solid_is_dark: bool) -> None:
+        self._draft, self._web_mm, self._solid_is_dark = canvas, web_mm, solid_is_dark
+        self._solid, self._upright = canvas.solid.copy(), canvas.upright.copy()
         self._laid: list[Bridge] = []
         self._slanted: list[Bridge] = []
-        observed = Matrix((brightness(draft.lattice) >= 0.5) == solid_is_dark)
+        observed = Matrix((solid_part(canvas.lattice) >= 0.5) == solid_is_dark)
         self._dark = observed.dark.copy()
         self._tracker = ReadabilityTracker(symbol, observed)
 
@@ -137,17 +136,17 @@ class _Work:
     def loss(self) -> float:
         return self._tracker.total
 
-    def squared_length(self, sight: Sight) -> float:
+    def squared_length(self, sight: SightLine) -> float:
         """‖p − q‖², in edges of the symbol."""
         lattice = self._draft.lattice
         return (sight.gap / (lattice.per_module * lattice.modules)) ** 2
 
-    def preview(self, sight: Sight) -> float:
+    def preview(self, sight: SightLine) -> float:
         """L(Q) if the connector were laid."""
         changed, _ = self._changed(sight, self._solid)
         return self._tracker.preview(changed)
 
-    def lay(self, sight: Sight, loss_weight: float) -> None:
+    def lay(self, sight: SightLine, loss_weight: float) -> None:
         """Lays a connector and samples Q again."""
         changed, _ = self._changed(sight, self._solid)
         for row, column in changed:
@@ -162,8 +161,8 @@ class _Work:
         else:
             self._paint(sight, self._upright, (0, 0))
 
-    def draft(self) -> Draft:
-        """The draft with all connectors laid so far."""
+    def canvas(self) -> Canvas:
+        """The canvas with all connectors laid so far."""
         return replace(
             self._draft,
             lattice=self._draft.lattice.with_solid(self._solid),
@@ -172,7 +171,7 @@ class _Work:
             slanted=(*self._draft.slanted, *self._slanted),
         )
 
-    def _changed(self, sight: Sight, solid: Cells) -> tuple[list[tuple[int, int]], Cells]:
+    def _changed(self, sight: SightLine, solid: Cells) -> tuple[list[tuple[int, int]], Cells]:
         """Modules that a connector flips."""
         lattice = self._draft.lattice
         u, quiet, n = lattice.per_module, lattice.quiet, lattice.modules
@@ -190,7 +189,7 @@ class _Work:
         flips = np.argwhere(dark != self._dark[r0:r1, c0:c1]) + np.array([r0, c0])
         return [(int(r), int(c)) for r, c in flips], part
 
-    def _paint(self, sight: Sight, cells: Cells, origin: tuple[int, int]) -> bool:
+    def _paint(self, sight: SightLine, cells: Cells, origin: tuple[int, int]) -> bool:
         """Paints a connector on cells that start at the origin; True when it is slanted."""
         lattice = self._draft.lattice
         (px, py), (qx, qy) = sight.p, sight.q
@@ -209,11 +208,11 @@ class _Work:
             y0, y1 = (py - half, py + half) if along_x else (min(py, qy) - width, max(py, qy) + width)
             cells[max(y0 - top, 0) : max(y1 - top, 0), max(x0 - left, 0) : max(x1 - left, 0)] = True
             return False
-        corners = [lattice.from_mm(point) for point in strip(self._bridge(sight, 0.0))]
+        corners = [lattice.from_mm(point) for point in self._bridge(sight, 0.0).overlapping().corners()]
         paint_strip(cells, [(x - left, y - top) for x, y in corners])
         return True
 
-    def _bridge(self, sight: Sight, price: float) -> Bridge:
+    def _bridge(self, sight: SightLine, price: float) -> Bridge:
         lattice = self._draft.lattice
         (px, py), (qx, qy) = sight.p, sight.q
         start, end = lattice.to_mm(px + 0.5, py + 0.5), lattice.to_mm(qx + 0.5, qy + 0.5)

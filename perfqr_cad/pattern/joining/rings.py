@@ -1,4 +1,4 @@
-"""The floating rings of a draft tied to their surroundings, flush or by bars recessed in pinched slots."""
+"""The floating rings of a canvas tied to their surroundings, flush or by bars recessed in pinched slots."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from perfqr_cad.pattern.bridge import Bridge
+from perfqr_cad.pattern.cells.canvas import Bar, Canvas, Rect
 from perfqr_cad.pattern.cells.lattice import Cells
-from perfqr_cad.pattern.drawing.draft import Bar, Draft, Rect
 from perfqr_cad.pattern.joining.finder import (
     CLEAR,
     Ring,
@@ -36,7 +36,7 @@ SLOT = 0.42
 # 2 mm 92/100/100/96 % with 0.34 (0.7 mm), 100/100/96/79 % with 0.25; of 3 mm 50 % at 20° with 0.42 (1.3 mm),
 # 83 % with 0.34, 100 % with 0.25 (0.75 mm). Less than a quarter of a module is not seen: 50 % with 0.17.
 DARK_MM = 0.6
-LEAST_SLOT = 0.25
+LEAST_SLOT_MODULES = 0.25
 
 
 class _Slot(NamedTuple):
@@ -46,7 +46,7 @@ class _Slot(NamedTuple):
     bank: Rect | None
 
 
-def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
+def tie_rings(canvas: Canvas, symbol: Symbol, spec: PatternSpec) -> Canvas:
     """The rings of finder and alignment patterns tied to their surroundings by the chosen strategy.
 
     Where the art leaves no straight banks for a recessed bar, the ring gets a flush one.
@@ -54,91 +54,91 @@ def tie_rings(draft: Draft, symbol: Symbol, spec: PatternSpec) -> Draft:
     slots: list[_Slot] = []
     flush: list[RingBar] = []
     for ring in rings(symbol.version):
-        if spec.finder == "recessed" and (slot := _recess(draft, ring, symbol.version, spec)) is not None:
+        if spec.finder == "recessed" and (slot := _recess(canvas, ring, symbol.version, spec)) is not None:
             slots.append(slot)
         else:
-            flush += _flush(draft, ring, spec)
-    draft = draft.with_solid([slot.bank for slot in slots if slot.bank is not None])
+            flush += _flush(canvas, ring, spec)
+    canvas = canvas.with_solid([slot.bank for slot in slots if slot.bank is not None])
     for pinched in (False, True):
         bars = [[slot.bar] for slot in slots if (slot.bank is not None) == pinched]
-        draft = draft.with_bars(bars, "function", height_mm=spec.bar_height_mm, pinched=pinched)
-    return _with_flush(draft, flush, spec)
+        canvas = canvas.with_bars(bars, "function", height_mm=spec.bar_height_mm, pinched=pinched)
+    return _with_flush(canvas, flush, spec)
 
 
-def settled(draft: Draft, spec: PatternSpec) -> Draft:
-    """The draft with those recessed bars made flush that later work has joined to more than their banks."""
-    taken = [bridge for bridge in draft.recessed if not _is_free(draft, bridge, spec)]
+def flush_where_joined(canvas: Canvas, spec: PatternSpec) -> Canvas:
+    """The canvas with those recessed bars made flush that later work has joined to more than their banks."""
+    taken = [bridge for bridge in canvas.recessed if not _is_free(canvas, bridge, spec)]
     if not taken:
-        return draft
+        return canvas
     kept = tuple(
-        replace(bridge, height_mm=None, pinched=False, width_mm=_web_mm(draft, spec))
+        replace(bridge, height_mm=None, pinched=False, width_mm=_web_mm(canvas, spec))
         if bridge in taken
         else bridge
-        for bridge in draft.bridges
+        for bridge in canvas.bridges
     )
-    draft = draft.with_solid([draft.rect(_as_web(draft, bridge, spec)) for bridge in taken])
-    return replace(draft, bridges=kept)
+    canvas = canvas.with_solid([canvas.rect(_as_web(canvas, bridge, spec)) for bridge in taken])
+    return replace(canvas, bridges=kept)
 
 
-def as_webs(draft: Draft, spec: PatternSpec) -> tuple[Bridge, ...]:
+def as_webs(canvas: Canvas, spec: PatternSpec) -> tuple[Bridge, ...]:
     """The recessed bars, none narrower than the least web.
 
     The rule of the least web is held by all other material. Bars of pinched slots may be asked to be one
     nozzle line wide: they are no longer than the slot is wide, lie on the bed and have solid material at
     both ends.
     """
-    return tuple(_as_web(draft, bridge, spec) for bridge in draft.recessed)
+    return tuple(_as_web(canvas, bridge, spec) for bridge in canvas.recessed)
 
 
-def _as_web(draft: Draft, bridge: Bridge, spec: PatternSpec) -> Bridge:
-    return replace(bridge, width_mm=max(bridge.width_mm, _web_mm(draft, spec)))
+def _as_web(canvas: Canvas, bridge: Bridge, spec: PatternSpec) -> Bridge:
+    return replace(bridge, width_mm=max(bridge.width_mm, _web_mm(canvas, spec)))
 
 
-def _web_mm(draft: Draft, spec: PatternSpec) -> float:
+def _web_mm(canvas: Canvas, spec: PatternSpec) -> float:
     """The least web in whole cells on either side of a middle."""
-    return 2 * draft.lattice.whole(spec.web_mm / 2) * draft.lattice.cell_mm
+    return 2 * canvas.lattice.whole(spec.web_mm / 2) * canvas.lattice.cell_mm
 
 
-def front_cells(draft: Draft) -> Cells:
-    """`draft.upright` without the recessed bars: the material at the front face."""
-    cells = draft.upright.copy()
-    for bridge in draft.recessed:
-        draft.rect(bridge).of(cells)[:] = False
+def front_cells(canvas: Canvas) -> Cells:
+    """`canvas.upright` without the recessed bars: the material at the front face."""
+    cells = canvas.upright.copy()
+    for bridge in canvas.recessed:
+        canvas.rect(bridge).of(cells)[:] = False
     return cells
 
 
-def _recess(draft: Draft, ring: Ring, version: int, spec: PatternSpec) -> _Slot | None:
+def _recess(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> _Slot | None:
     """A bar behind the face that holds a ring; None where the banks do not allow one."""
     traced = is_traced(ring, version)
-    fine, web = (_modules(draft, width_mm) for width_mm in (spec.line_mm, spec.web_mm))
-    clear = max(CLEAR, draft.lattice.whole(spec.gap_mm) / draft.lattice.per_module)
+    fine, web = (_modules(canvas, width_mm) for width_mm in (spec.line_mm, spec.web_mm))
+    clear = max(CLEAR, canvas.lattice.whole(spec.gap_mm) / canvas.lattice.per_module)
     bars: list[tuple[RingBar, float]] = []
     if spec.tone == "inverted":
         bars += [(recessed_core_bar(ring, fine, clear), fine)] if traced else []
     else:
-        material = _material(draft)
+        material = _material(canvas)
         if traced or is_located(ring):
             bars += [(bar, fine) for bar in recessed_bars(ring, fine, clear, material, pinched=True)]
         if not traced:
             bars += [(bar, web) for bar in recessed_bars(ring, web, clear, material, pinched=False)]
-    return next(filter(None, (_slot(draft, bar, width, spec) for bar, width in bars)), None)
+    return next(filter(None, (_slot(canvas, bar, width, spec) for bar, width in bars)), None)
 
 
-def _flush(draft: Draft, ring: Ring, spec: PatternSpec) -> list[RingBar]:
+def _flush(canvas: Canvas, ring: Ring, spec: PatternSpec) -> list[RingBar]:
     """Bars through the whole thickness that hold a ring."""
-    width = _modules(draft, spec.web_mm)
+    width = _modules(canvas, spec.web_mm)
     if spec.tone == "inverted":
         return [core_bar(ring, width)]
-    return ring_bars(ring, spec.finder, width, _material(draft))
+    return ring_bars(ring, spec.finder, width, _material(canvas))
 
 
-def _modules(draft: Draft, width_mm: float) -> float:
+def _modules(canvas: Canvas, width_mm: float) -> float:
     """A width in modules, of whole cells on either side of a middle."""
-    return 2 * draft.lattice.whole(width_mm / 2) / draft.lattice.per_module
+    return 2 * canvas.lattice.whole(width_mm / 2) / canvas.lattice.per_module
 
 
-def _material(draft: Draft) -> Solid:
-    lattice = draft.lattice
+def _material(canvas: Canvas) -> Solid:
+    lattice = canvas.lattice
     u, edge = lattice.per_module, lattice.quiet * lattice.per_module
 
     def solid(row: int, column: int) -> bool:
@@ -149,28 +149,28 @@ def _material(draft: Draft) -> Solid:
     return solid
 
 
-def _with_flush(draft: Draft, chosen: list[RingBar], spec: PatternSpec) -> Draft:
-    lattice = draft.lattice
+def _with_flush(canvas: Canvas, chosen: list[RingBar], spec: PatternSpec) -> Canvas:
+    lattice = canvas.lattice
     half = lattice.whole(spec.web_mm / 2)
     upright: list[Bar] = []
     for bar in chosen:
-        (x0, y0), (x1, y1) = (_cell(draft, point) for point in (bar.start, bar.end))
+        (x0, y0), (x1, y1) = (_cell(canvas, point) for point in (bar.start, bar.end))
         if x0 != x1 and y0 != y1:
             ends = lattice.to_mm(x0, y0), lattice.to_mm(x1, y1)
-            draft = draft.with_slanted(Bridge(*ends, spec.web_mm, "function", 0.0))
+            canvas = canvas.with_slanted(Bridge(*ends, spec.web_mm, "function", 0.0))
         elif x0 == x1:
             upright.append(Bar(Rect(x0 - half, min(y0, y1), x0 + half, max(y0, y1)), along_x=False))
         else:
             upright.append(Bar(Rect(min(x0, x1), y0 - half, max(x0, x1), y0 + half), along_x=True))
-    return draft.with_bars([[bar] for bar in upright], "function")
+    return canvas.with_bars([[bar] for bar in upright], "function")
 
 
-def _slot(draft: Draft, bar: RingBar, width: float, spec: PatternSpec) -> _Slot | None:
+def _slot(canvas: Canvas, bar: RingBar, width: float, spec: PatternSpec) -> _Slot | None:
     """The slot that a recessed bar asks for; None where its banks are not straight or it is not void."""
-    lattice = draft.lattice
+    lattice = canvas.lattice
     u = lattice.per_module
     half, gap = round(width * u / 2), lattice.whole(spec.gap_mm)
-    start, end = _cell(draft, bar.start), _cell(draft, bar.end)
+    start, end = _cell(canvas, bar.start), _cell(canvas, bar.end)
     along_x = start[1] == end[1]
     middle = start[1] if along_x else start[0]
     outer, inner = (start[0], end[0]) if along_x else (start[1], end[1])
@@ -178,10 +178,10 @@ def _slot(draft: Draft, bar: RingBar, width: float, spec: PatternSpec) -> _Slot 
     beside = middle - half - gap, middle + half + gap
     slot, tip = beside, outer
     if bar.pinch is not None:
-        first, last = (_cell(draft, (k, k))[0] for k in bar.pinch)
+        first, last = (_cell(canvas, (k, k))[0] for k in bar.pinch)
         slot = first, last
         dark = min(round(SLOT * u), lattice.whole(DARK_MM))
-        tip = outer + inwards * max(0, u - max(gap, dark, round(LEAST_SLOT * u)))
+        tip = outer + inwards * max(0, u - max(gap, dark, round(LEAST_SLOT_MODULES * u)))
 
     def rect(across: tuple[int, int], along: tuple[int, int]) -> Rect:
         """Cells between two lines across the ring, and two along it."""
@@ -189,26 +189,26 @@ def _slot(draft: Draft, bar: RingBar, width: float, spec: PatternSpec) -> _Slot 
         return Rect(x0, y0, x1, y1)
 
     banks = rect((outer - inwards, outer), slot), rect((inner, inner + inwards), beside)
-    straight = all(bank.of(draft.solid).all() for bank in banks)
-    if not straight or rect((outer, inner), slot).of(draft.solid).any():
+    straight = all(bank.of(canvas.solid).all() for bank in banks)
+    if not straight or rect((outer, inner), slot).of(canvas.solid).any():
         return None
     bank = rect((outer, tip), slot) if tip != outer else None
     return _Slot(Bar(rect((tip, inner), (middle - half, middle + half)), along_x), bank)
 
 
-def _is_free(draft: Draft, bridge: Bridge, spec: PatternSpec) -> bool:
+def _is_free(canvas: Canvas, bridge: Bridge, spec: PatternSpec) -> bool:
     """Whether a bar has straight banks, and void along both sides, as far as a gap beyond it."""
-    x0, y0, x1, y1 = draft.rect(bridge)
-    gap = draft.lattice.whole(spec.gap_mm)
+    x0, y0, x1, y1 = canvas.rect(bridge)
+    gap = canvas.lattice.whole(spec.gap_mm)
     if bridge.start[1] == bridge.end[1]:
-        across = Rect(x0 - 1, y0 - gap, x1 + 1, y1 + gap).of(draft.solid).T
+        across = Rect(x0 - 1, y0 - gap, x1 + 1, y1 + gap).of(canvas.solid).T
     else:
-        across = Rect(x0 - gap, y0 - 1, x1 + gap, y1 + 1).of(draft.solid)
+        across = Rect(x0 - gap, y0 - 1, x1 + gap, y1 + 1).of(canvas.solid)
     sides = np.delete(across[1:-1], np.s_[gap:-gap], axis=1)
     return bool(across[0].all() and across[-1].all() and not sides.any())
 
 
-def _cell(draft: Draft, point: tuple[float, float]) -> tuple[int, int]:
+def _cell(canvas: Canvas, point: tuple[float, float]) -> tuple[int, int]:
     """The lattice point of a point in modules of the symbol."""
-    u, edge = draft.lattice.per_module, draft.lattice.quiet * draft.lattice.per_module
+    u, edge = canvas.lattice.per_module, canvas.lattice.quiet * canvas.lattice.per_module
     return round(edge + point[0] * u), round(edge + point[1] * u)

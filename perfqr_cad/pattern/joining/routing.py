@@ -16,7 +16,7 @@ from perfqr_cad.pattern.joining.steps import Steps
 
 MOST_STAR_WORK = 80_000_000  # islands times nodes: beyond about a second only pairs are candidates
 ISLANDS_AT_ONCE = 16  # searches for arms that share one call, and its memory
-PRICE_TOL = 1e-9  # two prices closer than this are equal
+SAME_PRICE = 1e-9  # two prices closer than this are equal
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ class Router:
     def stars(self, pairs: Sequence[Route], limit: float) -> list[Route]:
         """Junctions of three islands cheaper than any two of their `pairs`, no arm over `limit`.
 
-        None on a code so large that finding them would take long. Their arms are not drawn yet: `drawn`
+        None on a code so large that finding them would take long. Their arms are not drawn yet: `with_arms`
         does that for those that are chosen.
         """
         from scipy.sparse.csgraph import dijkstra
@@ -118,12 +118,12 @@ class Router:
         for k in first.tolist():
             names = tuple(self._steps.name(int(self._near[i])) for i in trios[:, k])
             links = sorted(known.get(frozenset(pair), np.inf) for pair in combinations(names, 2))
-            if total[k] < links[0] + links[1] - PRICE_TOL:
+            if total[k] < links[0] + links[1] - SAME_PRICE:
                 junction = np.array([[self._near[whole[k]]]])
                 found.append(Route(names, (junction,), float(total[k])))
         return found
 
-    def drawn(self, star: Route) -> Route:
+    def with_arms(self, star: Route) -> Route:
         """A star with its arms drawn."""
         from scipy.sparse.csgraph import dijkstra
 

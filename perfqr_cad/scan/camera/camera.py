@@ -15,14 +15,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class View:
-    """From where a square target is filmed.
+    """From where a square code is filmed.
 
     tilt_deg      angle between the optical axis and the code's normal, 0 to below 90
     azimuth_deg   direction of the tilt in the code's plane, from its x axis towards y
     roll_deg      rotation of the camera about its optical axis; at 0 the code's top is up
-    fill          edge of the target over the edge of the picture, seen frontally
-    distance      camera to the target's centre, in edges of the target (a phone's main camera, some
-                  65° wide, is 1.6 edges away when the target fills half of its frame)
+    fill          edge of the code over the edge of the picture, seen frontally
+    distance      camera to the code's centre, in edges of the code (a phone's main camera, some
+                  65° wide, is 1.6 edges away when the code fills half of its frame)
     size_px       edge of the square picture
     """
 
@@ -44,7 +44,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class Target:
+class CodeFrame:
     """The square that is looked at: its centre and axes (rows: x, y, normal) in mm, and its edge."""
 
     centre_mm: Floats
@@ -52,36 +52,36 @@ class Target:
     edge_mm: float
 
 
-def facing_up(centre_mm: tuple[float, float, float], edge_mm: float) -> Target:
-    """A target whose normal is z and whose right is x."""
-    return Target(np.asarray(centre_mm, float), np.eye(3), edge_mm)
+def facing_up(centre_mm: tuple[float, float, float], edge_mm: float) -> CodeFrame:
+    """A code whose normal is z and whose right is x."""
+    return CodeFrame(np.asarray(centre_mm, float), np.eye(3), edge_mm)
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Projection of a view of a target. Pixel centres are at whole numbers, row 0 at the top."""
+    """Projection of a view of a code. Pixel centres are at whole numbers, row 0 at the top."""
 
     view: View
-    target: Target
+    code: CodeFrame
 
     @cached_property
     def eye_mm(self) -> Floats:
         """Centre of projection (3,)."""
-        return self.target.centre_mm + self._outward * self.view.distance * self.target.edge_mm
+        return self.code.centre_mm + self._outward * self.view.distance * self.code.edge_mm
 
     @cached_property
     def _outward(self) -> Floats:
         tilt, azimuth = np.radians(self.view.tilt_deg), np.radians(self.view.azimuth_deg)
         local = [np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), np.cos(tilt)]
-        return np.asarray(local) @ self.target.axes
+        return np.asarray(local) @ self.code.axes
 
     @cached_property
     def rotation(self) -> Floats:
         """World to camera (3, 3): rows are the picture's right, down and forward."""
         forward = -self._outward
-        up = self.target.axes[1]
+        up = self.code.axes[1]
         # Looking along the code's y axis, its x axis is kept level instead.
-        right = self.target.axes[0] if abs(forward @ up) > 0.99 else np.cross(forward, up)
+        right = self.code.axes[0] if abs(forward @ up) > 0.99 else np.cross(forward, up)
         right = np.asarray(right / np.linalg.norm(right), np.float64)
         down = np.cross(forward, right)
         roll = np.radians(self.view.roll_deg)
@@ -90,7 +90,7 @@ class Camera:
 
     @property
     def focal_px(self) -> float:
-        """Focal length in pixels: what makes the target fill the asked part of the picture."""
+        """Focal length in pixels: what makes the code fill the asked part of the picture."""
         return self.view.fill * self.view.size_px * self.view.distance
 
     @cached_property
@@ -100,8 +100,8 @@ class Camera:
         return np.array([[self.focal_px, 0, centre], [0, self.focal_px, centre], [0, 0, 1.0]])
 
     def homography(self, depth_mm: float) -> Floats:
-        """(3, 3) from the target's (x, y) in mm, on the plane `depth_mm` behind it, to pixels."""
-        axes, origin = self.target.axes, self.target.centre_mm - depth_mm * self.target.axes[2]
+        """(3, 3) from the code's (x, y) in mm, on the plane `depth_mm` behind it, to pixels."""
+        axes, origin = self.code.axes, self.code.centre_mm - depth_mm * self.code.axes[2]
         return self.intrinsics @ self.rotation @ np.column_stack([axes[0], axes[1], origin - self.eye_mm])
 
     def project(self, points_mm: Floats) -> Floats:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from perfqr_cad.scan.camera import layers, photo
 from perfqr_cad.scan.camera.camera import Camera, View, facing_up
 from perfqr_cad.scan.camera.look import Look
-from perfqr_cad.scan.camera.sections import Stack
 from perfqr_cad.scan.camera.skylight import Brightness
+from perfqr_cad.scan.camera.stack import Stack
 
 LEAST_PX = 720  # edge of the printed picture: finer than the camera sees it
 
@@ -43,7 +43,11 @@ class FlatPrint:
 
 
 def printed(dark: NDArray[np.bool_], edge_mm: float, *, quiet_modules: int = 4, scale: int = 1) -> FlatPrint:
-    """The print of a symbol, or of its art at `scale` samples a module; `edge_mm` with the quiet zone."""
+    """The print of a symbol, or of its art at `scale` samples a module; `edge_mm` with the quiet zone.
+
+    >>> printed(np.ones((21, 21), bool), 29.0).photo(View(size_px=64)).shape
+    (64, 64)
+    """
     return FlatPrint(np.pad(~dark, quiet_modules * scale, constant_values=True), edge_mm)
 
 

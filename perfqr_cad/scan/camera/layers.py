@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from perfqr_cad.scan.camera.camera import Camera
 from perfqr_cad.scan.camera.raster import sample, warp, zoom
-from perfqr_cad.scan.camera.sections import Stack
 from perfqr_cad.scan.camera.skylight import Brightness, Picture
+from perfqr_cad.scan.camera.stack import Stack
 
 OPAQUE = 1 / 512  # a pixel of which less than this is still open shows nothing of what is behind
 TOGETHER = 1 << 14  # pixels followed at a time: their values stay in the processor's cache
@@ -121,7 +121,7 @@ def _meets(bounds: tuple[int, int, int, int], front: Picture, back: Picture) -> 
 
 def _foot(stack: Stack, camera: Camera) -> tuple[Picture, float]:
     """Where the eye stands over the front: section pixels (2, 1), and its height in mm."""
-    eye = camera.target.axes @ (camera.eye_mm - camera.target.centre_mm)
+    eye = camera.code.axes @ (camera.eye_mm - camera.code.centre_mm)
     x, y, _ = np.linalg.inv(stack.to_plane()) @ [eye[0], eye[1], 1.0]
     return np.array([[x], [y]], np.float32), float(eye[2])
 
@@ -137,7 +137,7 @@ def _window(stack: Stack, camera: Camera) -> tuple[slice, slice]:
     """Rows and columns of the picture that the plate can touch."""
     half, depth = stack.edge_mm / 2, float(stack.depth_mm[-1])
     corners = np.array([[x, y, z] for x in (-half, half) for y in (-half, half) for z in (0.0, -depth)])
-    return camera.window(camera.target.centre_mm + corners @ camera.target.axes)
+    return camera.window(camera.code.centre_mm + corners @ camera.code.axes)
 
 
 def _padded(picture: Picture, rows: slice, columns: slice, size: tuple[int, int]) -> Picture:

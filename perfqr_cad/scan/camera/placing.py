@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.geometry.mesh_files import read_mesh
-from perfqr_cad.scan.camera.camera import Target
+from perfqr_cad.scan.camera.camera import CodeFrame
 from perfqr_cad.surface import Placement
 
 PLATE_LEVELS = 64  # faces, lip, recess and flares of a plate end at fewer heights; a curved mesh has more
@@ -20,7 +20,7 @@ PLATE_SLENDERNESS = 0.25  # thickness over width: thicker than this, it is a blo
 
 
 @dataclass(frozen=True)
-class Part:
+class FilmedPart:
     """Vertices (k, 3) mm and faces (m, 3) of a closed mesh, the code it shows, and whether it is a plate.
 
     behind   a body of the ground's colour behind the code: no part of the part, but seen through its holes
@@ -28,7 +28,7 @@ class Part:
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
-    target: Target
+    code: CodeFrame
     flat: bool
     behind: Triangles | None = None
 
@@ -43,7 +43,7 @@ class Part:
         return self._to_frame(self.behind.vertices), np.asarray(self.behind.faces, np.int64)
 
     def _to_frame(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        return (np.asarray(points, np.float64) - self.target.centre_mm) @ self.target.axes.T
+        return (np.asarray(points, np.float64) - self.code.centre_mm) @ self.code.axes.T
 
 
 def place(
@@ -52,7 +52,7 @@ def place(
     *,
     edge_mm: float | None = None,
     behind: Triangles | None = None,
-) -> Part:
+) -> FilmedPart:
     """The part in front of the camera.
 
     Without a placement the code is taken to lie on the top (largest z) of the mesh, centred on its
@@ -71,9 +71,9 @@ def place(
     else:
         centre, axes = placement.point((0.0, 0.0))[0], placement.reader_axes()
     edge = edge_mm if edge_mm is not None else float((high - low)[:2].max())
-    part = Part(vertices, faces, Target(centre, axes, edge), flat=False, behind=behind)
+    part = FilmedPart(vertices, faces, CodeFrame(centre, axes, edge), flat=False, behind=behind)
     level = behind is None and (placement is None or placement.is_flat)
-    return replace(part, flat=level and _is_plate(part.in_frame()) and _is_closed(faces))
+    return replace(part, flat=level and _is_plate(part.in_frame()) and triangles.closed)
 
 
 def _is_plate(vertices: NDArray[np.float64]) -> bool:
@@ -81,13 +81,6 @@ def _is_plate(vertices: NDArray[np.float64]) -> bool:
     levels = np.unique(np.round(vertices[:, 2], 3))
     span = np.ptp(vertices, axis=0)
     return len(levels) <= PLATE_LEVELS and span[2] < PLATE_SLENDERNESS * max(span[0], span[1])
-
-
-def _is_closed(faces: NDArray[np.int64]) -> bool:
-    """Whether every edge is passed once in either direction; only then is a section of the mesh an area."""
-    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    there, back = (np.sort(edges @ [faces.max() + 1, 1]), np.sort(edges @ [1, faces.max() + 1]))
-    return bool(np.array_equal(there, back) and np.all(there[1:] != there[:-1]))
 
 
 def load_mesh(path: Path | str) -> Triangles:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from perfqr_cad.scan.camera.camera import Camera
 from perfqr_cad.scan.camera.layers import Shot
 from perfqr_cad.scan.camera.look import Light
-from perfqr_cad.scan.camera.placing import Part
+from perfqr_cad.scan.camera.placing import FilmedPart
 from perfqr_cad.scan.camera.raster import smooth, warp
 from perfqr_cad.scan.camera.skylight import Picture
 
@@ -65,7 +65,7 @@ class Tracer:
         return found >= 0
 
 
-def tracer(part: Part) -> Tracer:
+def tracer(part: FilmedPart) -> Tracer:
     """Build the ray caster of a part and of what is behind it."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
@@ -89,9 +89,9 @@ def shoot(
     tracer: Tracer, camera: Camera, light: Light, *, gap_mm: float, reflectance: float, seed: int
 ) -> Shot:
     """Film a mesh before a level ground, `gap_mm` below its lowest point."""
-    size, axes = camera.view.size_px, camera.target.axes
-    eye = (camera.eye_mm - camera.target.centre_mm) @ axes.T
-    rows, columns = camera.window(camera.target.centre_mm + tracer.corners @ axes)
+    size, axes = camera.view.size_px, camera.code.axes
+    eye = (camera.eye_mm - camera.code.centre_mm) @ axes.T
+    rows, columns = camera.window(camera.code.centre_mm + tracer.corners @ axes)
     triangle = np.full((size, size), -1, np.int32)
     distance = np.zeros((size, size), np.float32)
     ways = camera.rays(axes, rows, columns)
@@ -109,14 +109,16 @@ def shoot(
     light_there = _irradiance(tracer, points, normals, light, reflectance, rng)
     cover = tracer.on_part(triangle)
     facing = tracer.classes[triangle]  # the last class is that of the ground
-    facing[_deep(distance, cover, camera.target.edge_mm / (camera.view.fill * size))] += DEEP
+    facing[_deep(distance, cover, camera.code.edge_mm / (camera.view.fill * size))] += DEEP
     lit = _spread(light_there.reshape(facing[every].shape).astype(np.float32), facing)
     return Shot(lit * cover, lit * ~cover, cover.astype(np.float32), np.linalg.inv(camera.homography(-floor)))
 
 
 def _deep(distance: Picture, cover: NDArray[np.bool_], pixel_mm: float) -> NDArray[np.bool_]:
-    """Pixels of the part that lie deeper than any slope explains behind the nearest within reach of the
-    average: the far inner wall of a hollow body, seen through its holes, faces the reader as its front does.
+    """Pixels of the part that lie too deep behind their neighbours to be averaged with them.
+
+    Deeper, that is, than any slope explains: the far inner wall of a hollow body, seen through its holes,
+    faces the reader as its front does.
     """
     from scipy.ndimage import minimum_filter
 

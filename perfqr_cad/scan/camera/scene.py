@@ -12,9 +12,8 @@ from perfqr_cad.scan.camera import layers, photo, raster, rays, skylight
 from perfqr_cad.scan.camera.camera import Camera, View
 from perfqr_cad.scan.camera.layers import Shot
 from perfqr_cad.scan.camera.look import Light, Look
-from perfqr_cad.scan.camera.placing import Part
-from perfqr_cad.scan.camera.sections import Stack
-from perfqr_cad.scan.camera.sections import stack as cut_stack
+from perfqr_cad.scan.camera.placing import FilmedPart
+from perfqr_cad.scan.camera.stack import Stack, cut_stack
 
 STEEPEST_DEG = 65.0  # no decoder reads a flat print beyond 60° (paper, Fig. 14)
 LEAST_WEB_MM = 0.4  # one line of the common nozzle: nothing thinner is printed
@@ -32,7 +31,7 @@ class Scene:
     sections   those of a plate, where they are known without its mesh
     """
 
-    part: Part
+    part: FilmedPart
     least_web_mm: float = LEAST_WEB_MM
     sections: Stack | None = None
 
@@ -65,7 +64,7 @@ class Scene:
 
     def _shot(self, view: View, look: Look) -> Shot:
         finer = int(np.clip(np.ceil(TARGET_PX / (view.fill * view.size_px)), 1, 4))
-        camera = Camera(replace(view, size_px=view.size_px * finer), self.part.target)
+        camera = Camera(replace(view, size_px=view.size_px * finer), self.part.code)
         reflectance = _reflectance(look)
         if self.part.flat:
             shot = self.layered(camera, look, reflectance)
@@ -118,7 +117,7 @@ class Scene:
     @property
     def _visible_web_mm(self) -> float:
         """The least web, or what a few pixels show of a part that is much larger than any print."""
-        return max(self.least_web_mm, WEB_PX * self.part.target.edge_mm / SECTION_PX)
+        return max(self.least_web_mm, WEB_PX * self.part.code.edge_mm / SECTION_PX)
 
     @cached_property
     def _stack(self) -> Stack:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.scan.camera.look import Light
 from perfqr_cad.scan.camera.raster import shift, shrunk, slopes, smooth
-from perfqr_cad.scan.camera.sections import Stack
+from perfqr_cad.scan.camera.stack import Stack
 
 Picture = NDArray[np.float32]
 DIRECTIONS = 24  # over the hemisphere

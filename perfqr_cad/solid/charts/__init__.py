@@ -1,4 +1,4 @@
-"""How the pattern plane lies in a wall: segments and walls of one placement as exact or fitted geometry.
+"""Charts: segments and walls of the pattern on one kind of placement, as exact or fitted geometry.
 
-One chart per kind of surface; topology is made in `stitch`.
+One module per kind of surface, and what several share. Topology is made in `stitch`, never here.
 """

@@ -1,7 +1,8 @@
 """How the pattern plane lies in a wall of material.
 
 A chart maps pattern points to space at any depth behind the front: depth 0 is the front face, depth
-`thickness_mm` the back face. It lays segments of the pattern on those levels as exact or fitted curves.
+`thickness_mm` the back face. Segments of the pattern become exact or fitted curves on those levels, and walls
+between them.
 """
 
 from __future__ import annotations
@@ -11,11 +12,10 @@ from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.outline import Segment
-from perfqr_cad.geometry.segments import Array, Indices
-from perfqr_cad.profile.well import Level
+from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.tables.batches import Surfaces
 from perfqr_cad.solid.tables.brep import Batch, CurveTable, Kind, SurfaceTable
 from perfqr_cad.surface import Placement
@@ -25,7 +25,7 @@ Images = tuple[CurveTable, ...]  # upper edges, lower edges, side edges at the s
 
 @dataclass(frozen=True, eq=False)
 class Traces:
-    """Segments laid on one level of the wall, as edges that run as the segments do; rows count segments.
+    """Segments on one level of the wall, as edges that run as the segments do; rows count segments.
 
     images        the same in the parameters of the level's surface; none on planes, or where no face lies
     tolerance_mm  (k,) how far a curve may stray from the surface and from the image's points
@@ -45,7 +45,7 @@ class Band:
     """
 
     surfaces: SurfaceTable
-    outward: NDArray[np.bool_]
+    outward: Mask
     images: Images
 
 
@@ -111,7 +111,7 @@ class Chart(Protocol):
 
     @property
     def whole_circles(self) -> bool:
-        """Whether a circle stays one closed segment; else it is laid as two half-circles."""
+        """Whether a circle stays one closed segment; else it is given as two half-circles."""
         ...
 
     def points(self, uv: Array, depth_mm: float) -> Array:
@@ -126,7 +126,7 @@ class Chart(Protocol):
         """Whether the own normal of `surface(depth_mm)` points towards the reader."""
         ...
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
+    def columns(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
         """Columns on stacks of segments, one segment for each level, front first."""
         ...
 

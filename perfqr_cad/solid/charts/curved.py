@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Charts of curved walls of even thickness: revolved and conical ones, and which chart a wall takes."""
 
 from __future__ import annotations
@@ -11,7 +9,6 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from OCP.Geom import (
     Geom_ConicalSurface,
     Geom_CylindricalSurface,
@@ -21,12 +18,12 @@ from OCP.Geom import (
 from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Pnt
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.geometry.arrays import Array, Mask
 from perfqr_cad.geometry.outline import Line, Segment
-from perfqr_cad.geometry.segments import Array
 from perfqr_cad.geometry.spline import DEGREE
-from perfqr_cad.profile.well import Level
+from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.charts.chart import Band, Chart, Columns, Traces, WallChart
-from perfqr_cad.solid.charts.fitted import Sight, lay_fitted
+from perfqr_cad.solid.charts.fitted import Projection, fitted_columns
 from perfqr_cad.solid.charts.height_field import HeightFieldChart
 from perfqr_cad.solid.charts.offset_fit import OFFSET_FIT_MM, fitted_meridian
 from perfqr_cad.solid.charts.ruled import grid_images, straight
@@ -66,7 +63,7 @@ class RevolvedChart(WallChart[Revolved]):
     """
 
     whole_circles: bool = False
-    sight: Sight | None = None
+    projection: Projection | None = None
 
     def parameters(self, uv: Array, depth_mm: float) -> Array:
         return np.column_stack([self.wall.angle(uv) + math.pi, uv[:, 1] * self._speed])
@@ -89,7 +86,7 @@ class RevolvedChart(WallChart[Revolved]):
             case _:
                 raise KernelError(f"no exact surface for {type(self.wall).__name__}: use Revolution")
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
+    def columns(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
         """Straight walls on lines of the grid keep lines, circles, planes and cones; all others are fitted,
         but for planes through the axis."""
         depths = [level.depth_mm for level in levels]
@@ -99,7 +96,7 @@ class RevolvedChart(WallChart[Revolved]):
         across[across] = self._has_cones(ends[across, 0, 1], depths)
         exact = across | (along & isinstance(self.wall, Cylinder | Sphere))
         rows = [np.flatnonzero(part) for part in (across, exact & along, ~exact)]
-        fitted = lay_fitted([stacks[i] for i in rows[2].tolist()], levels, self)
+        fitted = fitted_columns([stacks[i] for i in rows[2].tolist()], levels, self)
         flat = np.flatnonzero(along[rows[2]])
         parts = [
             (rows[0], self._parallels(ends[rows[0]], depths)),
@@ -118,7 +115,7 @@ class RevolvedChart(WallChart[Revolved]):
         at = ends * np.array([1 / self.wall.centre_radius_mm, self._speed]) + np.array([math.pi, 0.0])
         return straight(np.arange(len(ends)), at[:, 0], at[:, 1])
 
-    def _has_cones(self, v: Array, depths: Sequence[float]) -> NDArray[np.bool_]:
+    def _has_cones(self, v: Array, depths: Sequence[float]) -> Mask:
         """Whether walls on parallels are planes or cones: not cylinders about the axis (an axial normal)."""
         drops = np.diff([self.wall.meridian_at(v, depth) for depth in depths], axis=0)
         radial, axial = np.abs(drops[..., 0]), np.abs(drops[..., 1])
@@ -208,7 +205,7 @@ class ConeChart(WallChart[Cone]):
     """
 
     whole_circles: bool = False
-    sight: Sight | None = None
+    projection: Projection | None = None
 
     def parameters(self, uv: Array, depth_mm: float) -> Array:
         at = self.points(uv, depth_mm)
@@ -224,5 +221,5 @@ class ConeChart(WallChart[Cone]):
             (Geom_ConicalSurface(frame, angle, self.wall.radius_mm - depth_mm / math.cos(angle)),)
         )
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
-        return lay_fitted(stacks, levels, self)
+    def columns(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
+        return fitted_columns(stacks, levels, self)

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The chart of a free-form wall of even thickness."""
 
 from __future__ import annotations
@@ -10,12 +8,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.outline import Segment
-from perfqr_cad.geometry.segments import Array
 from perfqr_cad.geometry.spline import DEGREE, greville
-from perfqr_cad.profile.well import Level
+from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.charts.chart import Columns, WallChart
-from perfqr_cad.solid.charts.fitted import Sight, lay_fitted
+from perfqr_cad.solid.charts.fitted import Projection, fitted_columns
 from perfqr_cad.solid.charts.offset_fit import fitted_heights
 from perfqr_cad.solid.kernel.modelled import ModelledSurfaces
 from perfqr_cad.solid.kernel.occ import spline_surface
@@ -31,8 +29,8 @@ class HeightFieldChart(WallChart[HeightField]):
     whole_circles: bool = False
 
     @property
-    def sight(self) -> Sight:
-        return Sight(np.zeros(3), np.eye(3))
+    def projection(self) -> Projection:
+        return Projection(np.zeros(3), np.eye(3))
 
     def parameters(self, uv: Array, depth_mm: float) -> Array:
         return uv
@@ -45,5 +43,5 @@ class HeightFieldChart(WallChart[HeightField]):
         poles = np.concatenate([grid, heights.poles], axis=-1)
         return ModelledSurfaces((spline_surface(poles, heights.u_knots, heights.v_knots, (DEGREE, DEGREE)),))
 
-    def lay(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
-        return lay_fitted(stacks, levels, self)
+    def columns(self, stacks: Sequence[tuple[Segment, ...]], levels: tuple[Level, ...]) -> Columns:
+        return fitted_columns(stacks, levels, self)

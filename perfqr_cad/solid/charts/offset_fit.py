@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.geometry.segments import Array
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.geometry.spline import Spline, TensorSpline, fitted, greville, refined_knots, tensor_fitted
 from perfqr_cad.surface import HeightField, Revolution
 

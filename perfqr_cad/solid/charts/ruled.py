@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from perfqr_cad.geometry.segments import Array, Indices, quarters
+from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.segments import quarters
 from perfqr_cad.solid.charts.chart import Images
 from perfqr_cad.solid.tables.batches import Arcs, Curves, Lines, Splines, SplineSurfaces
 from perfqr_cad.solid.tables.brep import Batch, CurveTable

@@ -1,6 +1,4 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
-"""The few kernel calls that carving into an imported solid needs, as plain functions."""
+"""Questions to shapes of the modeller, their repair, and the one boolean: what carving into a solid needs."""
 
 from __future__ import annotations
 
@@ -8,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve
@@ -24,19 +21,19 @@ from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face, TopoDS_Shape, TopoD
 from OCP.TopTools import TopTools_ListOfShape
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.geometry.triangles import Corner
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.solid.kernel.occ import EDGE, FACE
 
 Kind = Literal["SOLID", "SHELL", "FACE", "WIRE", "EDGE", "VERTEX"]
-Array = NDArray[np.float64]
 
 MOST_EDGE_POINTS = 2000
 
 
 def explore(shape: TopoDS_Shape, kind: Kind) -> list[TopoDS_Shape]:
     """Sub-shapes of one kind, each once, in the kernel's order (the order in which CAD programs number
-    them).
-    """
+    them)."""
     found = occ.distinct(shape, getattr(TopAbs_ShapeEnum, f"TopAbs_{kind}"))
     return [found.FindKey(i) for i in range(1, found.Extent() + 1)]
 
@@ -103,8 +100,7 @@ def sound(solid: TopoDS_Solid, name: str) -> TopoDS_Solid:
 
 def grounded(solid: TopoDS_Solid) -> TopoDS_Solid:
     """The solid with every face's surface where it lies, not moved there by a location: curves are drawn on
-    it.
-    """
+    it."""
     if solid.Location().IsIdentity() and all(face.Location().IsIdentity() for face in explore(solid, "FACE")):
         return solid
     remover = ShapeUpgrade_RemoveLocations()
@@ -134,12 +130,12 @@ def outward(solid: TopoDS_Solid) -> TopoDS_Solid:
     return turned
 
 
-def cut(solid: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
-    """`solid` less `tools` in one boolean. Raises `KernelError` unless one solid is left."""
+def cut(solid: TopoDS_Shape, cutters: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
+    """`solid` less `cutters` in one boolean. Raises `KernelError` unless one solid is left."""
     arguments, others = TopTools_ListOfShape(), TopTools_ListOfShape()
     arguments.Append(solid)
-    for tool in tools:
-        others.Append(tool)
+    for cutter in cutters:
+        others.Append(cutter)
     operation = BRepAlgoAPI_Cut()
     operation.SetArguments(arguments)
     operation.SetTools(others)
@@ -148,15 +144,17 @@ def cut(solid: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Solid:
     operation.Build()
     if not operation.IsDone():
         raise KernelError(
-            f"cutting {len(tools)} holes failed in the kernel: move the code or change its size a little"
+            f"cutting {len(cutters)} holes failed in the kernel: move the code or change its size a little"
         )
     found = solids(operation.Shape())
     if len(found) != 1:
-        raise KernelError(f"cutting {len(tools)} holes left {len(found)} solids instead of 1: move the code")
+        raise KernelError(
+            f"cutting {len(cutters)} holes left {len(found)} solids instead of 1: move the code"
+        )
     return found[0]
 
 
-def bounding_box(shape: TopoDS_Shape) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+def bounding_box(shape: TopoDS_Shape) -> tuple[Corner, Corner]:
     """Least and greatest corner in mm."""
     box = Bnd_Box()
     BRepBndLib.AddOptimal_s(shape, box, False, False)

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """One kernel shape, many wrappers: nothing is written to a file or copied on the way."""
 
 from __future__ import annotations

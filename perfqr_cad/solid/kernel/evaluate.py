@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Exact surfaces as arrays: points and derivatives at many parameters at once.
 
 The modeller answers one point a call; holes ask for tens of thousands. Elementary surfaces, B-splines and
@@ -13,7 +11,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from OCP.Geom import (
     Geom_BezierCurve,
     Geom_BezierSurface,
@@ -35,12 +32,13 @@ from OCP.Geom import (
 from OCP.GeomConvert import GeomConvert
 from OCP.gp import gp_Pnt, gp_Vec
 
+from perfqr_cad.geometry.arrays import Array
+
 if TYPE_CHECKING:
     from scipy.interpolate import NdBSpline
 
-Array = NDArray[np.float64]
 # Parameters (k,) to the radius and the height there, each with its first and second derivative, (3, k).
-Profile = Callable[[Array], tuple[Array, Array]]
+Meridian = Callable[[Array], tuple[Array, Array]]
 # Parameters (k,) to the point there, its first and its second derivative, (3, k, 3).
 Curve = Callable[[Array], Array]
 
@@ -110,7 +108,7 @@ class _Turned:
     x: Array
     y: Array
     axis: Array
-    profile: Profile
+    profile: Meridian
 
     def __call__(self, uv: Array, orders: int) -> Array:
         radius, height = self.profile(uv[:, 1])
@@ -265,7 +263,7 @@ def _modelled_curve(curve: Geom_Curve, t: Array) -> Array:
     return made
 
 
-def _turned(surface: Any, profile: Profile) -> _Turned:
+def _turned(surface: Any, profile: Meridian) -> _Turned:
     return _Turned(*frame_of(surface), profile)
 
 

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Shapes of the modeller as boundary representations: one walk over all faces."""
 
 from __future__ import annotations

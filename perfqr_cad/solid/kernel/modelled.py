@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The modeller's own curves and surfaces as batches: faces of imported solids, levels of curved walls."""
 
 from __future__ import annotations
@@ -14,7 +12,7 @@ from OCP.Geom import Geom_Curve, Geom_Surface
 from OCP.Geom2d import Geom2d_Curve
 from OCP.gp import gp_Pnt, gp_Pnt2d, gp_Vec, gp_Vec2d
 
-from perfqr_cad.geometry.segments import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.solid.kernel.evaluate import Evaluator, evaluator
 
 # Points from which a surface is evaluated at once; before, preparing that costs more.

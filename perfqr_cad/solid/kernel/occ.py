@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Small, typed helpers over OCP: points, splines, measures. The kernel's exceptions are translated here."""
 
 from __future__ import annotations
@@ -11,7 +9,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from OCP.BRepGProp import BRepGProp
 from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface
 from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Line
@@ -27,8 +25,7 @@ from OCP.TopoDS import TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from perfqr_cad.errors import KernelError
-
-Array = NDArray[np.float64]
+from perfqr_cad.geometry.arrays import Array
 
 FACE = TopAbs_ShapeEnum.TopAbs_FACE
 EDGE = TopAbs_ShapeEnum.TopAbs_EDGE

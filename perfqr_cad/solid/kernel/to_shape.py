@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Boundary representations as shapes of the modeller, for front ends, booleans and its own checks."""
 
 from __future__ import annotations
@@ -34,7 +32,7 @@ from OCP.TopoDS import (
     TopoDS_Wire,
 )
 
-from perfqr_cad.geometry.segments import Indices
+from perfqr_cad.geometry.arrays import Indices
 from perfqr_cad.solid.kernel.modelled import ModelledCurves, ModelledSurfaces, Run
 from perfqr_cad.solid.kernel.occ import (
     FORWARD,

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """The edges of wires, head to tail, by their place in a map of all edges."""
 
 from __future__ import annotations
@@ -37,9 +35,8 @@ def in_order(
     if wire.Orientation() == REVERSED:
         uses.reverse()
     linked = [use for use in uses if use.number in ends]
-    if len({use.number for use in linked}) < len(
-        linked
-    ):  # seams that meet in one vertex leave the order open
+    # Seams that meet in one vertex leave the order open.
+    if len({use.number for use in linked}) < len(linked):
         return _walked(wire, face, edges)
     before = linked[-1] if linked else None
     for use in linked:

@@ -22,15 +22,14 @@ from collections.abc import Iterable
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue] - no stub
+from scipy.spatial import cKDTree
 
+from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.rings import following, owners
-from perfqr_cad.geometry.segments import Array, Indices
 from perfqr_cad.solid.proof import flux
 from perfqr_cad.solid.tables.brep import Brep
-from perfqr_cad.solid.tables.edge_points import Samples
+from perfqr_cad.solid.tables.edge_points import EdgePoints
 
 VERTEX_MM = 1e-6  # vertices of a part of whole millimetres that are this close are one
 SLACK = 1.5  # between points sampled here and the tolerance that an edge was given from other points
@@ -50,7 +49,7 @@ def check(
     expected_volume_mm3  from the outline, and the share of it by which the measured volume may differ
     volume_mm3           as measured on the faces, where that was done already
     """
-    samples = Samples(brep)
+    samples = EdgePoints(brep)
     if missing := _missing(samples):
         return missing
     found = [*_whole(brep), *_chained(brep), *_closed(brep), *_manifold(brep), *_apart(brep)]
@@ -71,7 +70,7 @@ def check(
     return tuple(found)
 
 
-def _missing(samples: Samples) -> tuple[str, ...]:
+def _missing(samples: EdgePoints) -> tuple[str, ...]:
     """What there is nothing to look at without."""
     brep = samples.brep
     flaws = {
@@ -88,9 +87,8 @@ def _missing(samples: Samples) -> tuple[str, ...]:
 def _whole(brep: Brep) -> list[str]:
     """All faces hang together by their edges."""
     size = brep.face_count + len(brep.ends)
-    links = brep.face_of_use, brep.face_count + brep.edges
-    graph = coo_array((np.ones(len(brep.edges)), links), shape=(size, size))
-    count, _ = connected_components(graph, directed=False)
+    links = np.column_stack([brep.face_of_use, brep.face_count + brep.edges])
+    count = components(links, size).max() + 1
     return [f"the shell is in {count} pieces"] if count > 1 else []
 
 
@@ -112,8 +110,7 @@ def _manifold(brep: Brep) -> list[str]:
     heads = 2 * brep.edges + brep.ahead
     tails = (2 * brep.edges + ~brep.ahead)[brep.following]
     size = 2 * len(brep.ends)
-    graph = coo_array((np.ones(len(heads)), (heads, tails)), shape=(size, size))
-    _, fan = connected_components(graph, directed=False)
+    fan = components(np.column_stack([heads, tails]), size)
     pairs = np.sort(brep.ends.ravel() * size + fan)
     fans = np.bincount(pairs[np.diff(pairs, prepend=-1) > 0] // size)
     doubled = np.flatnonzero(fans > 1)
@@ -126,7 +123,7 @@ def _apart(brep: Brep) -> list[str]:
     return [f"two vertices coincide at {at(brep.points[a])}" for a, _ in sorted(pairs)]
 
 
-def _on_vertices(samples: Samples) -> list[str]:
+def _on_vertices(samples: EdgePoints) -> list[str]:
     """Every edge has an extent, and runs from vertex to vertex."""
     brep, drawn = samples.brep, samples.drawn
     extent = np.abs(drawn[:, 1:] - drawn[:, :1]).max(axis=(1, 2), initial=0.0)
@@ -141,7 +138,7 @@ def _on_vertices(samples: Samples) -> list[str]:
     return found
 
 
-def _on_faces(samples: Samples) -> list[str]:
+def _on_faces(samples: EdgePoints) -> list[str]:
     """Every edge lies on its faces."""
     brep, off = samples.brep, samples.off_faces
     limit = brep.tolerance_mm[brep.edges]
@@ -152,7 +149,7 @@ def _on_faces(samples: Samples) -> list[str]:
     ]
 
 
-def _loops(samples: Samples) -> list[str]:
+def _loops(samples: EdgePoints) -> list[str]:
     """Outlines are simple, apart, nested, and run with the face on their left."""
     corners, starts = samples.outlines
     if (np.diff(starts) < 3).any():

@@ -2,10 +2,8 @@
 
 3 V = ∮ p · dA over the front, the back (or the floors) and the walls. On the caps dA = p_u × p_v du dv, and
 Green's theorem turns the area integral into ∮ G dv along the loops, ∂G/∂u = p · (p_u × p_v): G = z u on a
-plate,
-G = u · density around an axis, a fine table elsewhere. Walls are ruled between laid segments. All is
-integrated by
-Gauss rules: exact on a plate up to rounding.
+plate, G = u · density around an axis, a fine table elsewhere. Walls are ruled between mapped segments. All is
+integrated by Gauss rules: exact on a plate up to rounding.
 """
 
 from __future__ import annotations
@@ -15,9 +13,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.interpolate import RectBivariateSpline, make_interp_spline
 
+from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.geometry.outline import Arc, Bezier, Segment
-from perfqr_cad.geometry.segments import Array, Indices, by_kind, derivatives, positions, quarters, rounds
-from perfqr_cad.profile.sections import Well
+from perfqr_cad.geometry.segments import by_kind, derivatives, positions, quarters, rounds
+from perfqr_cad.profile.sections import Loft
 from perfqr_cad.surface import Placement, Revolved
 
 NODES = 8  # of the Gauss rule along an edge panel; exact to degree 15
@@ -25,25 +24,25 @@ RULING_NODES = 2  # p · (p_t × p_s) is quadratic along a ruling
 PANEL_MM = 2.0  # on curved walls, where splines join between modules
 TABLE = 161  # grid lines of G over the code: a quarter of a module, or less
 
-Laid = list[tuple[Segment, float]]  # segments with their depths, mm
+AtDepths = list[tuple[Segment, float]]  # segments with their depths, mm
 Swept = Callable[[Array], Array]
 
 
-def volume_mm3(wells: Sequence[Well], placement: Placement) -> float:
-    """Volume of the panel whose first well is its rim."""
-    rim = wells[0].loops[0].flatten(PANEL_MM)
+def volume_mm3(lofts: Sequence[Loft], placement: Placement) -> float:
+    """Volume of the panel whose first loft is its rim."""
+    rim = lofts[0].loops[0].flatten(PANEL_MM)
     box = rim.min(axis=0), rim.max(axis=0)
     origin = np.zeros(3) if isinstance(placement, Revolved) else placement.point((0.0, 0.0))[0]
-    mouths = [(s, well.levels[0].depth_mm) for well in wells for s in well.loops[0].segments]
-    feet = [(s, well.levels[-1].depth_mm) for well in wells for s in well.loops[-1].segments]
+    mouths = [(s, loft.levels[0].depth_mm) for loft in lofts for s in loft.loops[0].segments]
+    feet = [(s, loft.levels[-1].depth_mm) for loft in lofts for s in loft.loops[-1].segments]
     caps = _caps(mouths, placement, origin, box) - _caps(feet, placement, origin, box)
-    return (caps + _walls(wells, placement, origin)) / 3
+    return (caps + _walls(lofts, placement, origin)) / 3
 
 
-def _caps(laid: Laid, placement: Placement, origin: Array, box: tuple[Array, Array]) -> float:
+def _caps(segments_at: AtDepths, placement: Placement, origin: Array, box: tuple[Array, Array]) -> float:
     """∬ (p − origin) · (p_u × p_v) du dv inside loops, by depth."""
     by_depth: dict[float, list[Segment]] = {}
-    for segment, depth in laid:
+    for segment, depth in segments_at:
         by_depth.setdefault(depth, []).append(segment)
     total = 0.0
     for depth, segments in by_depth.items():
@@ -55,15 +54,15 @@ def _caps(laid: Laid, placement: Placement, origin: Array, box: tuple[Array, Arr
     return total
 
 
-def _walls(wells: Sequence[Well], placement: Placement, origin: Array) -> float:
+def _walls(lofts: Sequence[Loft], placement: Placement, origin: Array) -> float:
     """∬ p · dA over the ruled walls, dA to the right of travel."""
     bands: dict[tuple[float, float], tuple[list[Segment], list[Segment]]] = {}
-    for well in wells:
-        for k in range(len(well.levels) - 1):
-            band = well.levels[k].depth_mm, well.levels[k + 1].depth_mm
+    for loft in lofts:
+        for k in range(len(loft.levels) - 1):
+            band = loft.levels[k].depth_mm, loft.levels[k + 1].depth_mm
             upper, lower = bands.setdefault(band, ([], []))
-            upper += well.loops[k].segments
-            lower += well.loops[k + 1].segments
+            upper += loft.loops[k].segments
+            lower += loft.loops[k + 1].segments
     total = 0.0
     for (top, bottom), (upper, lower) in bands.items():
         for panels, rows in _by_panels(upper, placement.is_flat).items():
@@ -71,10 +70,10 @@ def _walls(wells: Sequence[Well], placement: Placement, origin: Array) -> float:
             over, under = [upper[i] for i in rows], [lower[i] for i in rows]
             spans = _spans(over, under) if placement.is_flat else None
             drawn = _drawn(over, node, spans)
-            p1, t1 = _laid(*drawn, top, placement)
+            p1, t1 = _mapped(*drawn, top, placement)
             if any(a is not b for a, b in zip(over, under, strict=True)):  # not upright
                 drawn = _drawn(under, node, spans)
-            p0, t0 = _laid(*drawn, bottom, placement)
+            p0, t0 = _mapped(*drawn, bottom, placement)
             p1, p0 = p1 - origin, p0 - origin
             for s, share in zip(*gauss(RULING_NODES, 1), strict=True):
                 at, along = (1 - s) * p0 + s * p1, (1 - s) * t0 + s * t1
@@ -91,7 +90,7 @@ def _drawn(segments: list[Segment], node: Array, spans: Indices | None) -> tuple
     return at, slope
 
 
-def _laid(at: Array, slope: Array, depth_mm: float, placement: Placement) -> tuple[Array, Array]:
+def _mapped(at: Array, slope: Array, depth_mm: float, placement: Placement) -> tuple[Array, Array]:
     """The same, (k, q, 3), at a depth."""
     flat = at.reshape(-1, 2)
     along_u, along_v = (x.reshape(*at.shape[:2], 3) for x in placement.tangents(flat, depth_mm))
@@ -166,7 +165,12 @@ def _swept(placement: Placement, depth_mm: float, origin: Array, box: tuple[Arra
 
 
 def gauss(nodes: int, panels: int) -> tuple[Array, Array]:
-    """Nodes and weights on [0, 1], composite over equal panels."""
+    """Nodes and weights on [0, 1], composite over equal panels.
+
+    >>> node, weight = gauss(2, 3)
+    >>> round(float(node**3 @ weight), 12)
+    0.25
+    """
     node, weight = np.polynomial.legendre.leggauss(nodes)
     node, weight = (node + 1) / 2, weight / 2
     starts = np.arange(panels)[:, None]

@@ -12,7 +12,7 @@ UNCERTAINTY = "1.E-06"  # mm: vertices and edges meet within it
 
 
 @dataclass(frozen=True)
-class Body:
+class StepBody:
     """A solid already written: its entity, name, sRGB colour, and the representation that holds it."""
 
     entity: int
@@ -43,7 +43,7 @@ class Document:
         self._axes = lambda: add(f"AXIS2_PLACEMENT_3D('',#{origin},#{z},#{x})")
         self._root = self._axes()
 
-    def write(self, bodies: Sequence[Body], product: str) -> None:
+    def write(self, bodies: Sequence[StepBody], product: str) -> None:
         """Name, colour and place the bodies: one product when alone, else parts of an assembly."""
         self._style(bodies)
         if len(bodies) == 1:
@@ -72,7 +72,7 @@ class Document:
             f"GLOBAL_UNIT_ASSIGNED_CONTEXT((#{length},#{angle},#{solid_angle}))REPRESENTATION_CONTEXT('3D','3D'))"
         )
 
-    def _part(self, body: Body, product: str) -> _Product:
+    def _part(self, body: StepBody, product: str) -> _Product:
         shape = self._add(
             f"{body.representation}({text(body.name)},(#{self._root},#{body.entity}),#{self._space})"
         )
@@ -103,7 +103,7 @@ class Document:
         )
         add(f"CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#{relation},#{shape_of})")
 
-    def _style(self, bodies: Sequence[Body]) -> None:
+    def _style(self, bodies: Sequence[StepBody]) -> None:
         """A colour and a layer for each body."""
         add = self._add
         styled: list[int] = []

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Reading the solids of a STEP file: named, coloured, placed, in mm, or the reason why there are none.
 
 The reader's own repairs are quadratic on perforated faces and can be left out for files of `write_step`.

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.solid.shape import Solid
-from perfqr_cad.solid.step.document import Body
+from perfqr_cad.solid.step.document import StepBody
 from perfqr_cad.solid.step.text import Part21, reals, text
 
 REPRESENTATION = "TESSELLATED_SHAPE_REPRESENTATION"
 
 
-def tessellated(part: Part21, solid: Solid) -> Body:
+def tessellated(part: Part21, solid: Solid) -> StepBody:
     """Write the triangles of a solid as one tessellated solid. Raises `KernelError` where there are none."""
     vertices, faces = solid.triangles.vertices, solid.triangles.faces
     if not len(faces):
@@ -20,4 +20,4 @@ def tessellated(part: Part21, solid: Solid) -> Body:
     coordinates = part.add(f"COORDINATES_LIST('',{len(vertices)},({points}))")
     face = part.add(f"TRIANGULATED_FACE('',#{coordinates},{len(vertices)},(),$,(),({corners}))")
     body = part.add(f"TESSELLATED_SOLID({text(solid.name)},(#{face}),$)")
-    return Body(body, solid.name, solid.colour, REPRESENTATION)
+    return StepBody(body, solid.name, solid.colour, REPRESENTATION)

@@ -61,7 +61,11 @@ class Part21:
 
 @lru_cache(maxsize=1 << 16)  # coordinates of a grid of modules come again and again
 def real(value: float, digits: int = LENGTH_DIGITS) -> str:
-    """A number with the decimal point that Part 21 asks for; no negative zero."""
+    """A number with the decimal point that Part 21 asks for; no negative zero.
+
+    >>> real(2.0), real(-1e-12), real(2.5e-7)
+    ('2.', '0.', '2.5E-7')
+    """
     digits_of = repr(round(value, digits) + 0.0)
     if "e" in digits_of:
         mantissa, exponent = digits_of.split("e")

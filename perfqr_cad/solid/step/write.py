@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from perfqr_cad.solid.shape import Solid
-from perfqr_cad.solid.step.document import Body, Document
+from perfqr_cad.solid.step.document import Document, StepBody
 from perfqr_cad.solid.step.tessellation import tessellated
 from perfqr_cad.solid.step.text import Part21
 from perfqr_cad.solid.step.topology import Topology
@@ -19,12 +19,12 @@ def write_step(solid: Solid, path: str | Path, *, product: str | None = None) ->
     bodies = (solid, *solid.extras)
     part = Part21()
     document, topology = Document(part), Topology(part)
-    written: list[Body] = []
+    written: list[StepBody] = []
     for body in bodies:
         if body.brep is None:
             written.append(tessellated(part, body))
         else:
-            written.append(Body(topology.solid(body.brep, body.name), body.name, body.colour))
+            written.append(StepBody(topology.solid(body.brep, body.name), body.name, body.colour))
     title = product or solid.name
     document.write(written, title)
     Path(path).write_text(part.file(f"{title}.step", title), "ascii")

@@ -13,8 +13,8 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from perfqr_cad.geometry.basis import basis
-from perfqr_cad.geometry.segments import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.spline import basis
 
 RULING_KNOTS = (0.0, 0.0, 1.0, 1.0)
 
@@ -50,7 +50,12 @@ class Surfaces(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """From `start` (k, d) to `end` (k, d)."""
+    """From `start` (k, d) to `end` (k, d).
+
+    >>> line = Lines(np.array([[0.0, 0.0]]), np.array([[3.0, 4.0]]))
+    >>> line.length.tolist(), line.at(np.array([0.5]))[0].tolist()
+    ([5.0], [[[1.5, 2.0]]])
+    """
 
     start: Array
     end: Array

@@ -10,7 +10,7 @@ from perfqr_cad.capture.finders import triples
 from perfqr_cad.capture.grid import Grid, project
 from perfqr_cad.capture.image import luminance
 from perfqr_cad.capture.register import correlation, known_modules, register, workspace
-from perfqr_cad.capture.sampling import levels, sample, soft_log_likelihood
+from perfqr_cad.capture.sampling import levels, sample_modules, soft_log_likelihood
 from perfqr_cad.capture.seeds import Seed
 from perfqr_cad.capture.warp import bent
 from tests import pictures
@@ -83,7 +83,7 @@ def test_a_bent_page_is_sampled_right(version: int, bend: float) -> None:
     space = workspace(grey, grid)
 
     def wrong(shape: Grid) -> int:
-        samples = sample(grey, shape)
+        samples = sample_modules(grey, shape)
         seen = soft_log_likelihood(samples, *levels(samples)) > 0
         return int(np.count_nonzero(seen != _truth(picture, version)))
 

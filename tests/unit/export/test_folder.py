@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from perfqr_cad import export
-from perfqr_cad.export import png, report
+from perfqr_cad.export.picture import view
+from perfqr_cad.export.report import page
 from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.solid import Solid
 from perfqr_cad.solid import build as build_solid
@@ -38,10 +39,10 @@ def folders(tmp_path_factory):
     made = Made(pattern, placement, build_solid(pattern, placement, name="folder part"))
     root = tmp_path_factory.mktemp("parts")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(png, "WIDTH_PX", 240)
-        patch.setattr(png, "HEIGHT_PX", 180)
-        patch.setattr(report, "PICTURE_PX", (240, 180))
-        records = [export.write_all(made, root / name) for name in ("first", "deeper/second")]
+        patch.setattr(view, "WIDTH_PX", 240)
+        patch.setattr(view, "HEIGHT_PX", 180)
+        patch.setattr(page, "PICTURE_PX", (240, 180))
+        records = [export.write_outputs(made, [f"{root / name}/"]) for name in ("first", "deeper/second")]
     return root / "first", root / "deeper" / "second", records
 
 

@@ -16,7 +16,8 @@ from OCP.TopoDS import TopoDS
 from perfqr_cad import export
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
-from perfqr_cad.solid import build_region, read_step
+from perfqr_cad.profile import Profile
+from perfqr_cad.solid import build_profile, read_step
 from perfqr_cad.surface import Plane
 
 from .conftest import curved_region
@@ -25,7 +26,7 @@ from .conftest import curved_region
 @pytest.fixture(scope="module")
 def design():
     region, placement = curved_region(), Plane(2.0)
-    solid = build_region(region, placement, name="Ünïque part", colour=(0.8, 0.1, 0.1))
+    solid = build_profile(Profile((region,)), placement, name="Ünïque part", colour=(0.8, 0.1, 0.1))
     return SimpleNamespace(solid=solid, placement=placement, pattern=SimpleNamespace(region=region))
 
 

@@ -8,9 +8,10 @@ import pytest
 from build123d import Align, Axis, Box, BuildPart, Location, Mode, Part, Pos
 
 import perfqr_cad.frontends.cadquery_plugin  # noqa: F401 - adds Workplane.perforatedQR
+from perfqr_cad import make
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.frontends import PerforatedQR, shape_of, to_build123d, to_cadquery
-from perfqr_cad.frontends.plate import plate
+from perfqr_cad.frontends.designs import design_of
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.solid import Solid
 
@@ -58,7 +59,7 @@ def test_cadquery_places_one_at_every_point() -> None:
 
 
 def test_conversions_share_the_shape(code: PerforatedQR) -> None:
-    solid = plate(TEXT, SIZE, 2.0, version=1)
+    solid = design_of(TEXT, size_mm=SIZE, thickness_mm=2.0, version=1).solid
     part, workplane = to_build123d(solid), to_cadquery(solid)
     assert isinstance(part, Part)
     assert shape_of(part).IsSame(solid.shape)
@@ -70,9 +71,17 @@ def test_conversions_share_the_shape(code: PerforatedQR) -> None:
     assert to_cadquery(moved).val().Volume() == pytest.approx(code.volume, rel=1e-9)
 
 
+def test_an_object_is_the_part_that_make_makes(code: PerforatedQR) -> None:
+    design = make(text=TEXT, size_mm=SIZE, thickness_mm=2.0, version=1)
+    assert code.design.certificate()["connectivity"] == design.certificate()["connectivity"]
+    assert code.volume == pytest.approx(design.solid.volume_mm3, rel=1e-9)
+    placed = cadquery.Workplane().perforatedQR(TEXT, SIZE, 2.0, version=1)
+    assert placed.design is code.design
+
+
 def test_refusals() -> None:
-    with pytest.raises(DesignError, match="no setting 'colour'"):
-        PerforatedQR(TEXT, SIZE, colour="red")
+    with pytest.raises(DesignError, match="no setting 'color'"):
+        PerforatedQR(TEXT, SIZE, color="red")
     mesh = Triangles(
         [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     )

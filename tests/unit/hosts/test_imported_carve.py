@@ -11,10 +11,11 @@ import zxingcpp
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
 from OCP.gp import gp_Pnt
 
+from perfqr_cad import make
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Region
 from perfqr_cad.hosts.step import ImportedFace
-from perfqr_cad.hosts.tool import prism
+from perfqr_cad.hosts.step.prism import prism
 from perfqr_cad.profile.walls import Walls
 from perfqr_cad.solid.kernel import booleans as kernel
 from perfqr_cad.solid.kernel import occ
@@ -39,7 +40,7 @@ FRONT = {"point": (0.0, -100.0, 15.0), "direction": (0.0, 1.0, 0.0)}
 
 
 def carved(target: ImportedFace, walls: Walls = STRAIGHT):
-    placement = target.placement(SKETCH.size_mm)
+    placement = target.placement(SKETCH.size_mm, walls.depth_mm)
     return target.solid(SKETCH, placement, walls), placement
 
 
@@ -107,14 +108,25 @@ def test_pockets_in_a_block() -> None:
     block = BRepPrimAPI_MakeBox(gp_Pnt(-20, -20, 0), 40, 40, 30).Shape()
     with pytest.raises(DesignError, match=r"30 mm of material.*set depth"):
         ImportedFace.of(block, point=(0, 0, 30)).placement(20)
-    target = ImportedFace.of(block, point=(0, 0, 30), depth_mm=0.8)
-    solid, _ = carved(target)
+    target = ImportedFace.of(block, point=(0, 0, 30))
+    solid, _ = carved(target, Walls(depth_mm=0.8))
     assert lost(target, solid) == pytest.approx(holes_area(few_holes()) * 0.8, rel=1e-9)
-    curved = ImportedFace.of(tube(wall=20.0), point=(0, -30, 25), depth_mm=0.8)
-    pocketed, _ = carved(curved)
+    curved = ImportedFace.of(tube(wall=20.0), point=(0, -30, 25))
+    pocketed, _ = carved(curved, Walls(depth_mm=0.8))
     assert lost(curved, pocketed) == pytest.approx(holes_area(few_holes()) * 0.8, rel=1e-4)
     with pytest.raises(DesignError, match="break through the wall"):
-        ImportedFace.of(tray(), depth_mm=3.0, **FRONT).placement(20)
+        ImportedFace.of(tray(), **FRONT).placement(20, 3.0)
+
+
+def test_the_request_alone_says_how_deep_pockets_are() -> None:
+    block = BRepPrimAPI_MakeBox(gp_Pnt(-20, -20, -10), 40, 40, 20).Shape()
+    settings = {"text": "A", "level": "L", "size_mm": 24.0, "nozzle_mm": 0.3, "quiet_modules": 2}
+    target = ImportedFace.of(block, point=(0, 0, 10))
+    design = make(**settings, target=target, depth_mm=3.0)
+    open_mm2 = 24.0**2 - sum(piece.area for piece in design.pattern.front)
+    assert lost(target, design.solid) == pytest.approx(open_mm2 * 3.0, rel=1e-9)
+    with pytest.raises(DesignError, match="set depth"):
+        make(**settings, target=target)
 
 
 def test_the_largest_face_that_fits_is_found() -> None:
@@ -167,18 +179,18 @@ def test_a_wrap_on_a_cylinder_keeps_lengths() -> None:
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="needs the shared parts")
 @pytest.mark.parametrize(
-    ("name", "size", "more"),
+    ("name", "point", "depth_mm"),
     [
-        ("caxif_s1-c5_HEAD_FRONT.stp", 20.0, {"point": (330.0, 0.0, 0.0)}),
-        ("caxif_s1-c5_MAINBODY_FRONT.stp", 20.0, {}),
-        ("myfreecad_vase.step", 20.0, {}),
-        ("nist_ctc_01_asme1_rd.stp", 20.0, {"depth_mm": 1.0}),
-        ("trimesh_featuretype.STEP", 20.0, {"depth_mm": 1.0}),
+        ("caxif_s1-c5_HEAD_FRONT.stp", (330.0, 0.0, 0.0), None),
+        ("caxif_s1-c5_MAINBODY_FRONT.stp", None, None),
+        ("myfreecad_vase.step", None, None),
+        ("nist_ctc_01_asme1_rd.stp", None, 1.0),
+        ("trimesh_featuretype.STEP", None, 1.0),
     ],
 )
-def test_shared_parts(name: str, size: float, more: dict) -> None:
-    target = ImportedFace(SHARED / "solids" / name, **more)
-    solid = target.solid(SKETCH, target.placement(size), STRAIGHT)
+def test_shared_parts(name: str, point: tuple | None, depth_mm: float | None) -> None:
+    target = ImportedFace(SHARED / "solids" / name, point=point)
+    solid = target.solid(SKETCH, target.placement(20.0, depth_mm), Walls(depth_mm=depth_mm))
     assert solid.valid
     assert solid.triangles.closed
     assert solid.volume_mm3 == pytest.approx(solid.expected_volume_mm3, rel=1e-6)

@@ -79,8 +79,8 @@ def test_bars_are_flush_where_there_is_no_room():
 
 def test_rings_in_pockets_stand_on_the_floor():
     walls = Walls(depth_mm=0.8)
-    target = ImportedFace.of(Box(50, 2, 50), point=(0, -1, 0), depth_mm=walls.depth_mm)
-    solid = target.solid(pattern("recessed"), target.placement(SIZE_MM), walls)
+    target = ImportedFace.of(Box(50, 2, 50), point=(0, -1, 0))
+    solid = target.solid(pattern("recessed"), target.placement(SIZE_MM, walls.depth_mm), walls)
     assert solid.notes == ()
     assert solid.valid
     assert solid.solids == 1

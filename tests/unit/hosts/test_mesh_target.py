@@ -13,6 +13,7 @@ from perfqr_cad.geometry import Triangles
 from perfqr_cad.hosts.mesh import MeshTarget, read_mesh
 from perfqr_cad.hosts.mesh.hollow import hollowed
 from perfqr_cad.hosts.mesh.repair import mend, self_crossings
+from perfqr_cad.profile import Walls
 
 from .imports import SHARED, SKETCH, STRAIGHT, code, few_holes, holes_area, seen
 
@@ -34,7 +35,7 @@ def bodies(mesh: Triangles) -> int:
 @pytest.mark.parametrize("kind", ["stl", "obj", "ply", "off"])
 def test_formats(tmp_path: Path, kind: str) -> None:
     box(3, 4, 5).export(tmp_path / f"b.{kind}")
-    assert mend(read_mesh(tmp_path / f"b.{kind}")).triangles.volume_mm3 == pytest.approx(60, rel=1e-6)
+    assert mend(read_mesh(tmp_path / f"b.{kind}")).volume_mm3 == pytest.approx(60, rel=1e-6)
 
 
 def test_3mf_units_places_and_components(tmp_path: Path) -> None:
@@ -76,10 +77,10 @@ def test_small_damage_is_mended() -> None:
     faces[5] = faces[5][::-1]  # one triangle turned
     torn = Triangles(mesh.vertices, np.vstack([faces[1:], faces[7:8]]))  # one lost, one doubled
     mended = mend(torn)
-    assert mended.triangles.closed
-    assert mended.triangles.volume_mm3 == pytest.approx(1000)
-    assert (mended.filled_gaps, mended.duplicate_triangles) == (1, 1)
-    inside_out = mend(Triangles(mesh.vertices, mesh.faces[:, ::-1])).triangles
+    assert mended.closed
+    assert mended.volume_mm3 == pytest.approx(1000)
+    assert len(mended.faces) == len(mesh.faces) - 1 + 3  # one lost, a fan of three in its gap, none doubled
+    inside_out = mend(Triangles(mesh.vertices, mesh.faces[:, ::-1]))
     assert inside_out.volume_mm3 == pytest.approx(1000)
 
 
@@ -107,14 +108,14 @@ def test_self_intersection_is_counted() -> None:
 def test_several_bodies() -> None:
     left, right = box(10, 10, 10), box(12, 12, 12)
     right.apply_translation((6, 1, 2))
-    assert bodies(mend(triangles(left).joined(triangles(right))).triangles) == 1
+    assert bodies(mend(triangles(left).joined(triangles(right)))) == 1
     right.apply_translation((100, 0, 0))
     apart = triangles(left).joined(triangles(right))
     with pytest.raises(DesignError, match=r"2 separate bodies \(1728, 1000 mm³\)"):
         mend(apart)
-    assert mend(apart, 2).triangles.volume_mm3 == pytest.approx(1000)
+    assert mend(apart, 2).volume_mm3 == pytest.approx(1000)
     void = box(6, 6, 6)
-    assert mend(triangles(left).joined(triangles(void))).triangles.volume_mm3 == pytest.approx(1000 - 216)
+    assert mend(triangles(left).joined(triangles(void))).volume_mm3 == pytest.approx(1000 - 216)
 
 
 def test_hollow_leaves_a_shell_of_the_given_thickness() -> None:
@@ -141,18 +142,18 @@ def test_a_solid_mesh_asks_for_hollow_or_depth() -> None:
     mesh = triangles(box(40, 40, 40))
     with pytest.raises(DesignError, match=r"40 mm of material.*set depth.*hollow"):
         MeshTarget.of(mesh, point=(0, 0, 20)).placement(20)
-    target = MeshTarget.of(mesh, point=(0, 0, 20), depth_mm=1.0)
-    solid = target.solid(SKETCH, target.placement(20), STRAIGHT)
+    target = MeshTarget.of(mesh, point=(0, 0, 20))
+    solid = target.solid(SKETCH, target.placement(20, 1.0), Walls(depth_mm=1.0))
     assert mesh.volume_mm3 - solid.volume_mm3 == pytest.approx(holes_area(few_holes()), rel=5e-3)
 
 
 def test_the_flattest_spot_is_taken_and_a_bad_one_refused() -> None:
     mesh = triangles(trimesh.creation.capsule(height=60, radius=20, count=[48, 48]))
-    target = MeshTarget.of(mesh, depth_mm=0.5)
-    normal = target.placement(15).normal([(0, 0)])[0]
+    target = MeshTarget.of(mesh)
+    normal = target.placement(15, 0.5).normal([(0, 0)])[0]
     assert abs(normal[2]) < 0.2
     with pytest.raises(DesignError, match=r"at most .* mm works there|no place"):
-        MeshTarget.of(mesh, depth_mm=0.5, point=(0, 0, 100), direction=(0, 0, -1)).placement(39)
+        MeshTarget.of(mesh, point=(0, 0, 100), direction=(0, 0, -1)).placement(39, 0.5)
 
 
 def test_an_exact_panel_states_its_fit() -> None:

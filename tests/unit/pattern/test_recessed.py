@@ -8,8 +8,8 @@ from perfqr_cad.capture import Art
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Line
 from perfqr_cad.pattern import Bridge, PatternSpec, build
-from perfqr_cad.pattern.drawing.front import joined
-from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT, SLOT
+from perfqr_cad.pattern.drawing.front import front_with_bars
+from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT_MODULES, SLOT
 from perfqr_cad.symbol import encode
 
 RINGS = {1: 3, 2: 4, 6: 4, 7: 9}  # finders and alignment patterns
@@ -67,7 +67,7 @@ def test_dark_material_has_one_recessed_bar(version):
 @pytest.mark.parametrize("nozzle_mm", [0.2, 0.4])
 def test_only_bars_in_pinched_slots_may_be_a_nozzle_line_wide(nozzle_mm):
     pattern = made(nozzle_mm=nozzle_mm, size_mm=60.0, bar_width_mm=nozzle_mm)
-    cell = pattern.draft.lattice.cell_mm
+    cell = pattern.canvas.lattice.cell_mm
     lines = [bar.width_mm for bar in pattern.recessed if bar.pinched]
     assert nozzle_mm <= min(lines) <= max(lines) < nozzle_mm + 2 * cell
     webs = [bar.width_mm for bar in pattern.recessed if not bar.pinched]
@@ -121,7 +121,7 @@ def slot_mm(**settings):
 def test_the_slot_is_narrow_but_no_narrower_than_a_gap():
     assert slot_mm() == pytest.approx(SLOT * 1.2, abs=0.06)
     assert slot_mm(size_mm=33 * 2.4) == pytest.approx(DARK_MM, abs=0.2)  # a cell
-    assert slot_mm(size_mm=33 * 4.0) == pytest.approx(LEAST_SLOT * 4.0, abs=0.06)
+    assert slot_mm(size_mm=33 * 4.0) == pytest.approx(LEAST_SLOT_MODULES * 4.0, abs=0.06)
     assert slot_mm(min_gap_mm=1.0) >= 1.0
 
 
@@ -177,6 +177,6 @@ def test_a_bar_that_hangs_in_the_air_is_refused():
     pattern = made()
     astray = Bridge((0.01, 0.02), (1.01, 0.02), 0.8, "function", 0.0, 0.6)
     with pytest.raises(DesignError, match="no straight edge"):
-        joined(pattern.front, [astray])
+        front_with_bars(pattern.front, [astray])
     with pytest.raises(DesignError, match="pieces are left"):
-        joined(pattern.front, [])
+        front_with_bars(pattern.front, [])

@@ -5,7 +5,7 @@ import pytest
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.cells.lattice import checkerboards
-from perfqr_cad.pattern.cells.tracing import Rings, sharpened, trace
+from perfqr_cad.pattern.cells.tracing import Boundaries, sharpened, trace
 
 
 def blob(seed, size=30):
@@ -51,12 +51,12 @@ def test_stairs_of_one_ring_leave_the_others_alone():
 
 def test_rings_keep_apart_what_is_in_one_array():
     square, triangle = np.array([[0.0, 0], [2, 0], [2, 2], [0, 2]]), np.array([[5.0, 5], [6, 5], [5, 7]])
-    rings = Rings.of([square, triangle])
+    rings = Boundaries.of([square, triangle])
     assert rings.areas.tolist() == [4, 1]
     assert rings.after(rings.points)[3].tolist() == [0, 0]
     assert rings.before(rings.points)[4].tolist() == [5, 7]
     fewer = rings.only(np.array([True] * 4 + [False] * 3))
     assert fewer.sizes.tolist() == [4, 0]
-    chosen = rings.where(np.array([False, True]), Rings.of([square * 3, triangle * 3]))
+    chosen = rings.where(np.array([False, True]), Boundaries.of([square * 3, triangle * 3]))
     assert chosen.areas.tolist() == [36, 1]
     assert [loop.area for loop in rings.loops()] == [4, 1]

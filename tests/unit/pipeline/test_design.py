@@ -10,8 +10,8 @@ import pytest
 
 import perfqr_cad
 from perfqr_cad import DesignError, Request, make, progress
-from perfqr_cad.pipeline.design import Design, _require_readable, scan_part
-from perfqr_cad.scan import DecoderResult, ScanReport
+from perfqr_cad.pipeline.chain import scan_part
+from perfqr_cad.pipeline.design import Design
 from perfqr_cad.structure import SolidCheck
 
 
@@ -99,23 +99,6 @@ def test_an_unknown_setting_is_named() -> None:
         make(text="a", size=60)
 
 
-@pytest.mark.parametrize(
-    ("depth_mm", "strengthenings", "remedy"),
-    [
-        (None, 0, "lower --thickness"),
-        (0.8, 0, r"pockets deeper than 0\.8 mm"),
-        (0.8, 3, r"pockets deeper than 0\.8 mm"),
-        (None, 3, "3 bridges for strength cover it: raise --thickness"),
-    ],
-)
-def test_a_part_that_nobody_reads_is_an_error(
-    depth_mm: float | None, strengthenings: int, remedy: str
-) -> None:
-    blind = DecoderResult("zxing-cpp", (0.0,), (0.0,), (1.0,))
-    with pytest.raises(DesignError, match=rf"none of 1 decoders .* {remedy}"):
-        _require_readable(ScanReport("a", {"zxing-cpp": blind}, {}), depth_mm, strengthenings)
-
-
 def test_walls_that_do_not_fit_are_refused_before_the_long_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("perfqr_cad.structure.reinforce", lambda *_, **__: pytest.fail("too late"))
     with pytest.raises(DesignError, match="pockets of 2 mm leave no floor"):
@@ -131,8 +114,8 @@ def test_the_public_face_is_complete() -> None:
 
 def test_a_tag_with_everything_around_the_code() -> None:
     plain = {"text": "HELLO 123", "size_mm": 40.0}
-    around = {"frame_mm": 9.0, "corner_radius_mm": 4.0, "corner_hole_mm": 3.0, "caption": "No. 7"}
-    tag = make(**plain, **around, backing_mm=1.0, backing_gap_mm=0.5)
+    around = {"frame_mm": 9.0, "corner_radius_mm": 4.0, "hole_mm": ((3.0,),), "caption": "No. 7"}
+    tag = make(**plain, **around, backing_mm=1.0, gap_mm=0.5)
     assert tag.solid.valid
     low, high = tag.solid.bbox_mm
     assert high[0] - low[0] == pytest.approx(58)

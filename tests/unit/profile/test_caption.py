@@ -1,4 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
 """Text on the frame: raised and engraved, exact on plates and on curved walls."""
 
 from __future__ import annotations

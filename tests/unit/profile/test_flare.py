@@ -9,9 +9,9 @@ from OCP.BRepCheck import BRepCheck_Analyzer
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Arc, Circle, Line, Loop, Region
-from perfqr_cad.profile import Walls
-from perfqr_cad.profile.flare import Outlines, settled
-from perfqr_cad.solid import build_region
+from perfqr_cad.profile import Profile, Walls
+from perfqr_cad.profile.flare import Outlines, flared_loops
+from perfqr_cad.solid import build_profile
 from perfqr_cad.surface import Plane
 
 OUTER = Loop.from_points([(-10, -10), (10, -10), (10, 10), (-10, 10)])
@@ -41,7 +41,7 @@ def ell() -> Loop:
 
 def test_a_flared_square_is_a_frustum() -> None:
     region = Region(OUTER, (square(0, 0, 2),))
-    solid = build_region(region, Plane(2.0), Walls(draft_deg=10.0))
+    solid = build_profile(Profile((region,)), Plane(2.0), Walls(draft_deg=10.0))
     small, large = 16.0, (4 + 4 * TAN) ** 2
     frustum = 2 / 3 * (small + large + math.sqrt(small * large))
     assert solid.valid
@@ -50,7 +50,7 @@ def test_a_flared_square_is_a_frustum() -> None:
 
 def test_a_lip_stays_straight_before_the_flare() -> None:
     region = Region(OUTER, (Loop((Circle((0, 0), 2.0, ccw=False),)),))
-    solid = build_region(region, Plane(2.0), Walls(draft_deg=10.0, lip_mm=0.5))
+    solid = build_profile(Profile((region,)), Plane(2.0), Walls(draft_deg=10.0, lip_mm=0.5))
     wide = 2 + 1.5 * TAN
     hole = math.pi * (4 * 0.5 + 1.5 / 3 * (4 + 2 * wide + wide**2))
     assert solid.volume_mm3 == pytest.approx(800 - hole, rel=1e-9)
@@ -60,7 +60,7 @@ def test_a_lip_stays_straight_before_the_flare() -> None:
 @pytest.mark.parametrize("draft", [5.0, 12.0, 25.0])
 def test_rounded_corners_stay_exact_shrinking_or_oblique(draft: float) -> None:
     """Below half the radius the corner keeps it: an oblique cone; the modeller agrees with the outline."""
-    solid = build_region(Region(OUTER, (ell(),)), Plane(2.0), Walls(draft_deg=draft))
+    solid = build_profile(Profile((Region(OUTER, (ell(),)),)), Plane(2.0), Walls(draft_deg=draft))
     assert solid.problems == ()
     assert BRepCheck_Analyzer(solid.shape, True).IsValid()
     assert solid.volume_mm3 == pytest.approx(solid.expected_volume_mm3, rel=1e-9)
@@ -70,24 +70,24 @@ def test_webs_keep_their_least_width() -> None:
     """A web of 1 mm between two squares: half of what it has over 0.8 mm on either side, the rest
     untouched."""
     region = Region(OUTER, (square(-2.5, 0, 2), square(2.5, 0, 2)))
-    left, right = settled([region], 0.35, 0.8)
+    left, right = flared_loops([region], 0.35, 0.8)
     assert sorted(left.set_back_mm.tolist()) == pytest.approx([0.1, 0.35, 0.35, 0.35])
     back = Region(OUTER, (left.loop, right.loop))
     assert Outlines.of([back]).webs(1.0).min() == pytest.approx(0.8)
-    solid = build_region(region, Plane(2.0), Walls(draft_deg=10.0), min_web_mm=0.8)
+    solid = build_profile(Profile((region,), min_web_mm=0.8), Plane(2.0), Walls(draft_deg=10.0))
     assert solid.valid
 
 
 def test_holes_that_meet_at_corners_give_way_along_the_mitre() -> None:
     region = Region(OUTER, (square(-1.3, -1.3, 1), square(1.3, 1.3, 1)))
-    solid = build_region(region, Plane(2.0), Walls(draft_deg=12.0), min_web_mm=0.8)
+    solid = build_profile(Profile((region,), min_web_mm=0.8), Plane(2.0), Walls(draft_deg=12.0))
     assert solid.valid
 
 
 def test_a_short_edge_gives_way_instead_of_turning_over() -> None:
     """A step of 0.02 mm in the side of a hole cannot be flared by 0.3 mm between its neighbours."""
     hole = Loop.from_points([(-3, -3), (-3, 3), (0, 3), (0, 2.98), (3, 2.98), (3, -3)])
-    solid = build_region(Region(OUTER, (hole,)), Plane(2.0), Walls(draft_deg=10.0))
+    solid = build_profile(Profile((Region(OUTER, (hole,)),)), Plane(2.0), Walls(draft_deg=10.0))
     assert solid.valid
     assert solid.volume_mm3 < 800 - 2 * abs(hole.area)
 
@@ -97,8 +97,10 @@ def test_a_draft_with_no_room_at_all_is_refused() -> None:
     frame = Loop.from_points([(-6.4, -2.2), (6.4, -2.2), (6.4, 2.2), (-6.4, 2.2)])
     region = Region(frame, thin)
     with pytest.raises(DesignError, match="no hole can be flared"):
-        build_region(region, Plane(2.0), Walls(draft_deg=10.0), min_web_mm=0.8)
-    straight = build_region(region, Plane(2.0), Walls(draft_deg=10.0, or_straight=True), min_web_mm=0.8)
+        build_profile(Profile((region,), min_web_mm=0.8), Plane(2.0), Walls(draft_deg=10.0))
+    straight = build_profile(
+        Profile((region,), min_web_mm=0.8), Plane(2.0), Walls(draft_deg=10.0, or_straight=True)
+    )
     assert straight.volume_mm3 == pytest.approx(2 * region.area)
     assert "the walls are straight: no hole can be flared" in straight.notes[0]
 
@@ -113,4 +115,6 @@ def test_absurd_walls_are_refused(walls: dict[str, float]) -> None:
 
 def test_a_lip_as_deep_as_the_plate_leaves_nothing_to_flare() -> None:
     with pytest.raises(DesignError, match="nothing to flare"):
-        build_region(Region(OUTER, (square(0, 0, 1),)), Plane(2.0), Walls(draft_deg=5.0, lip_mm=2.0))
+        build_profile(
+            Profile((Region(OUTER, (square(0, 0, 1),)),)), Plane(2.0), Walls(draft_deg=5.0, lip_mm=2.0)
+        )

@@ -13,8 +13,8 @@ from OCP.gp import gp_Pnt
 
 from perfqr_cad.geometry.outline import Arc, Line, Loop, Region
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.profile import Plan, Walls
-from perfqr_cad.solid import Solid, build_plan, read_step, write_step
+from perfqr_cad.profile import Profile, Walls
+from perfqr_cad.solid import Solid, build_profile, read_step, write_step
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.surface import Cone, Cylinder, Placement, Plane, Revolution, Sphere
 
@@ -77,7 +77,7 @@ def build_front(
     walls: Walls | None = None,
     name: str = "part",
 ) -> Solid:
-    return build_plan(Plan(front, bars, FLUSH), placement, walls, name=name)
+    return build_profile(Profile(front, bars, FLUSH), placement, walls, name=name)
 
 
 @pytest.mark.parametrize("walls", WALLS)

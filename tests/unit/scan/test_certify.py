@@ -22,13 +22,13 @@ def triangles() -> Triangles:
 
 
 def test_core_decoders_read_the_plate_from_above(triangles):
-    report = scan.certify(triangles, None, None, TEXT, plan=scan.Plan((0.0,), (65.0,)))
+    report = scan.certify(triangles, None, None, TEXT, schedule=scan.Schedule((0.0,), (65.0,)))
     assert report.readers == ("zxing-cpp", "zbar", "wechat", "opencv")
     assert report.as_dict()["decoders"]["zbar"]["max_tilt_deg"] == 0
 
 
 def test_wrong_payload_is_no_success(triangles):
-    report = scan.certify(triangles, None, None, TEXT + "!", plan=scan.Plan((0.0,), (65.0,)))
+    report = scan.certify(triangles, None, None, TEXT + "!", schedule=scan.Schedule((0.0,), (65.0,)))
     assert report.readers == ()
     assert {r.max_tilt_deg for r in report.decoders.values()} == {None}
 
@@ -39,7 +39,7 @@ def test_a_written_stl_is_filmed_too(triangles, tmp_path):
     path = tmp_path / "part.stl"
     trimesh.Trimesh(triangles.vertices, triangles.faces).export(path)
     report = scan.certify(
-        scan.load_mesh(path), None, None, TEXT, plan=scan.Plan((0.0,), (65.0,)), decoders=["zbar"]
+        scan.load_mesh(path), None, None, TEXT, schedule=scan.Schedule((0.0,), (65.0,)), decoders=["zbar"]
     )
     assert report.readers == ("zbar",)
 

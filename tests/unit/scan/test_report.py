@@ -18,7 +18,7 @@ plates = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(plates)
 
 TILTS = (0.0, 20.0, 30.0, 45.0)
-ONCE = scan.Plan((0.0,), (65.0,))
+ONCE = scan.Schedule((0.0,), (65.0,))
 
 
 def result(name, rates, flat=(1.0, 1.0, 1.0, 1.0)) -> DecoderResult:
@@ -55,13 +55,6 @@ def test_advice_names_what_falls_short_of_the_print():
     assert sentences(neither) == ("quirc does not read the flat print of this code either",)
 
 
-def test_heat_map_shows_reads_and_misses_in_different_colours():
-    good = report(result("a", (1.0,) * 4)).heat_map()
-    bad = report(result("a", (0.0,) * 4)).heat_map()
-    assert good.shape == bad.shape
-    assert not np.array_equal(good, bad)
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
     import trimesh
@@ -75,10 +68,10 @@ def folder(tmp_path_factory) -> Path:
 
 
 def test_part_from_a_design_json_and_from_its_mesh(folder):
-    by_design = scan.part(folder / "design.json", plan=ONCE, decoders=("zbar",))
+    by_design = scan.part(folder / "design.json", schedule=ONCE, decoders=("zbar",))
     assert by_design.readers == ("zbar",)
     assert by_design.payload == "perfqr"
-    found = scan.part(folder / "part.stl", plan=ONCE, decoders=("zxing-cpp", "zbar"))
+    found = scan.part(folder / "part.stl", schedule=ONCE, decoders=("zxing-cpp", "zbar"))
     assert found.payload == "perfqr"  # what both agree on
     assert found.decoders["zbar"].flat_rates == (1.0,)
 
@@ -92,7 +85,9 @@ def test_part_from_step_is_meshed_by_the_caller(folder):
         asked.append(path)
         return scan.load_mesh(folder / "part.stl")
 
-    assert scan.part(step, "perfqr", mesh_step=mesh_step, plan=ONCE, decoders=("zbar",)).readers == ("zbar",)
+    assert scan.part(step, "perfqr", mesh_step=mesh_step, schedule=ONCE, decoders=("zbar",)).readers == (
+        "zbar",
+    )
     assert asked == [step]
 
 
@@ -103,7 +98,7 @@ def test_a_plate_that_stands_is_filmed_from_its_front(folder, tmp_path):
         trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0])
     )
     standing.export(tmp_path / "standing.stl")
-    found = scan.part(tmp_path / "standing.stl", plan=ONCE, decoders=("zbar", "zxing-cpp"))
+    found = scan.part(tmp_path / "standing.stl", schedule=ONCE, decoders=("zbar", "zxing-cpp"))
     assert found.payload == "perfqr"
     assert found.readers == ("zxing-cpp", "zbar") or found.readers == ("zbar", "zxing-cpp")
     assert "front (-y)" in found.warnings[-1]
@@ -115,10 +110,10 @@ def test_a_backing_in_the_file_is_near_ground(folder, tmp_path):
     plate = trimesh.load(folder / "part.stl")
     backing = trimesh.creation.box((30, 30, 1)).apply_translation([0, 0, plate.bounds[0, 2] - 0.5])
     trimesh.util.concatenate([plate, backing]).export(tmp_path / "backed.stl")
-    found = scan.part(tmp_path / "backed.stl", plan=ONCE, decoders=("zbar",))
+    found = scan.part(tmp_path / "backed.stl", schedule=ONCE, decoders=("zbar",))
     assert found.readers == ("zbar",)
     assert "ground's colour" in found.warnings[-1]
-    alone = scan.part(folder / "part.stl", plan=ONCE, decoders=("zbar",))
+    alone = scan.part(folder / "part.stl", schedule=ONCE, decoders=("zbar",))
     assert alone.warnings == ()
 
 
@@ -131,7 +126,7 @@ def test_a_hollow_part_is_filmed_with_a_card_inside(folder, tmp_path):
         trimesh.creation.box((40, 28, 29)).apply_translation([0, 0, 15.5])
     )  # open at two sides
     trimesh.util.concatenate([hollow, lid]).export(tmp_path / "hollow.stl")
-    found = scan.part(tmp_path / "hollow.stl", "perfqr", plan=ONCE, decoders=("zxing-cpp", "zbar"))
+    found = scan.part(tmp_path / "hollow.stl", "perfqr", schedule=ONCE, decoders=("zxing-cpp", "zbar"))
     assert found.readers
     assert [w for w in found.warnings if "card" in w]
 
@@ -153,7 +148,7 @@ def test_a_plate_without_a_code_needs_a_text(tmp_path):
 
     trimesh.creation.box((30, 30, 1)).export(tmp_path / "blank.stl")
     with pytest.raises(AnalysisError, match="read nothing"):
-        scan.part(tmp_path / "blank.stl", plan=ONCE, decoders=("zbar",))
+        scan.part(tmp_path / "blank.stl", schedule=ONCE, decoders=("zbar",))
 
 
 def test_what_has_no_area_or_cannot_be_read_is_refused(tmp_path):
@@ -162,10 +157,10 @@ def test_what_has_no_area_or_cannot_be_read_is_refused(tmp_path):
     flat = trimesh.Trimesh([[0, 0, 0], [0, 0, 0], [0, 0, 0]], [[0, 1, 2]], process=False)
     flat.export(tmp_path / "flat.stl")
     with pytest.raises(KernelError, match="no area"):
-        scan.part(tmp_path / "flat.stl", "x", plan=ONCE, decoders=("zbar",))
+        scan.part(tmp_path / "flat.stl", "x", schedule=ONCE, decoders=("zbar",))
     (tmp_path / "garbage.3mf").write_bytes(b"PK\x03\x04 nothing of the kind")
     with pytest.raises(KernelError, match="can be read"):
-        scan.part(tmp_path / "garbage.3mf", "x", plan=ONCE, decoders=("zbar",))
+        scan.part(tmp_path / "garbage.3mf", "x", schedule=ONCE, decoders=("zbar",))
 
 
 def test_a_part_of_kilometres_is_filmed_with_few_sections(tmp_path):
@@ -173,7 +168,7 @@ def test_a_part_of_kilometres_is_filmed_with_few_sections(tmp_path):
 
     trimesh.creation.box((3e7, 3e7, 1e6)).export(tmp_path / "huge.stl")
     with pytest.raises(AnalysisError, match="read nothing"):
-        scan.part(tmp_path / "huge.stl", plan=ONCE, decoders=("zbar",))
+        scan.part(tmp_path / "huge.stl", schedule=ONCE, decoders=("zbar",))
 
 
 def test_an_open_mesh_is_no_plate(folder):

@@ -7,8 +7,8 @@ import pytest
 from OCP.BRepCheck import BRepCheck_Analyzer
 
 from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Loop, Region
-from perfqr_cad.profile import Walls
-from perfqr_cad.solid import build_region
+from perfqr_cad.profile import Profile, Walls
+from perfqr_cad.solid import build_profile
 from perfqr_cad.surface import Cone, Cylinder, HeightField, Placement, Revolution, Sphere
 
 VASE = ((20.0, 0.0), (26.0, 20.0), (30.0, 40.0), (27.0, 60.0), (20.0, 80.0))
@@ -41,7 +41,7 @@ CASES = {"straight": Walls(), "pockets": Walls(depth_mm=0.75), "flared": Walls(d
 @pytest.mark.parametrize("walls", CASES)
 @pytest.mark.parametrize("name", WALLS)
 def test_a_curved_panel_is_valid(name: str, walls: str) -> None:
-    solid = build_region(REGION, WALLS[name], CASES[walls], chord_mm=0.02)
+    solid = build_profile(Profile((REGION,)), WALLS[name], CASES[walls], chord_mm=0.02)
     assert solid.problems == ()
     assert BRepCheck_Analyzer(solid.shape, True).IsValid()
     assert solid.expected_volume_mm3 is not None
@@ -52,7 +52,7 @@ def test_a_curved_panel_is_valid(name: str, walls: str) -> None:
 
 def test_a_wrapped_panel_has_the_closed_form_volume() -> None:
     """A · t · (R − t/2) / R, and two spherical radii likewise."""
-    solid = build_region(REGION, Cylinder(30.0, 2.0))
+    solid = build_profile(Profile((REGION,)), Cylinder(30.0, 2.0))
     assert solid.volume_mm3 == pytest.approx(REGION.area * 2.0 * 29.0 / 30.0, rel=1e-7)
 
 
@@ -66,7 +66,7 @@ def test_grid_lines_stand_in_planes_and_cones() -> None:
     region = Region(REGION.outer, HOLES[:1])
     kinds = sorted(
         BRepAdaptor_Surface(TopoDS.Face_s(f)).GetType().name.removeprefix("GeomAbs_")
-        for f in explore(build_region(region, Sphere(40.0, 2.0)).shape, FACE)
+        for f in explore(build_profile(Profile((region,)), Sphere(40.0, 2.0)).shape, FACE)
     )
     assert kinds == ["Cone"] * 4 + ["Plane"] * 4 + ["Sphere"] * 2
 
@@ -75,7 +75,7 @@ def test_grid_lines_stand_in_planes_and_cones() -> None:
 def test_meshes_keep_the_chord(name: str) -> None:
     """The middles of all triangles of the front lie within the tolerance of it, inwards."""
     wall = WALLS[name]
-    mesh = build_region(Region(REGION.outer, HOLES[:1]), wall, chord_mm=0.02).triangles
+    mesh = build_profile(Profile((Region(REGION.outer, HOLES[:1]),)), wall, chord_mm=0.02).triangles
     front = _inside(wall, mesh.vertices) < 1e-9
     faces = mesh.faces[front[mesh.faces].all(axis=1)]
     depth = _inside(wall, mesh.vertices[faces].mean(axis=1))

@@ -11,8 +11,8 @@ from OCP.BRepCheck import BRepCheck_Analyzer
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry import triangulation
 from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Loop, Region
-from perfqr_cad.profile import Walls
-from perfqr_cad.solid import build_region
+from perfqr_cad.profile import Profile, Walls
+from perfqr_cad.solid import build_profile
 from perfqr_cad.surface import Plane
 
 
@@ -64,7 +64,7 @@ HOLES = {
 @pytest.mark.parametrize("name", HOLES)
 def test_a_plate_is_exact(name: str) -> None:
     plate = region(*HOLES[name])
-    solid = build_region(plate, Plane(2.0))
+    solid = build_profile(Profile((plate,)), Plane(2.0))
     assert solid.problems == ()
     assert solid.valid
     assert solid.solids == 1
@@ -75,21 +75,21 @@ def test_a_plate_is_exact(name: str) -> None:
 @pytest.mark.parametrize("name", HOLES)
 def test_triangles_close_and_keep_the_chord(name: str) -> None:
     plate = region(*HOLES[name])
-    solid = build_region(plate, Plane(2.0), chord_mm=0.002)
+    solid = build_profile(Profile((plate,)), Plane(2.0), chord_mm=0.002)
     assert solid.triangles.closed
     perimeter = sum(loop.length for loop in plate.loops)
     assert solid.triangles.volume_mm3 == pytest.approx(solid.volume_mm3, abs=2.0 * 0.002 * perimeter)
 
 
 def test_walls_of_lines_are_planes_and_of_circles_one_cylinder() -> None:
-    assert build_region(region(square(0, 0, 1)), Plane(2.0)).faces == 6 + 4
-    assert build_region(region(dot(0, 0, 1)), Plane(2.0)).faces == 6 + 1
+    assert build_profile(Profile((region(square(0, 0, 1)),)), Plane(2.0)).faces == 6 + 4
+    assert build_profile(Profile((region(dot(0, 0, 1)),)), Plane(2.0)).faces == 6 + 1
 
 
 @pytest.mark.parametrize("name", HOLES)
 def test_blind_pockets_keep_a_floor(name: str) -> None:
     plate = region(*HOLES[name])
-    solid = build_region(plate, Plane(2.0), Walls(depth_mm=0.75))
+    solid = build_profile(Profile((plate,)), Plane(2.0), Walls(depth_mm=0.75))
     assert solid.valid
     holes = plate.outer.area - plate.area
     assert solid.volume_mm3 == pytest.approx(plate.outer.area * 2.0 - holes * 0.75, rel=1e-9)
@@ -99,12 +99,12 @@ def test_blind_pockets_keep_a_floor(name: str) -> None:
 
 def test_a_pocket_as_deep_as_the_plate_is_refused() -> None:
     with pytest.raises(DesignError, match="no floor"):
-        build_region(region(square(0, 0, 1)), Plane(2.0), Walls(depth_mm=2.0))
+        build_profile(Profile((region(square(0, 0, 1)),)), Plane(2.0), Walls(depth_mm=2.0))
 
 
 def test_the_reader_sees_the_pattern_unmirrored() -> None:
     """A hole up and to the right stays there, seen from +z."""
-    solid = build_region(region(square(6, 7, 1)), Plane(2.0))
+    solid = build_profile(Profile((region(square(6, 7, 1)),)), Plane(2.0))
     low, high = solid.bbox_mm
     assert (low[2], high[2]) == pytest.approx((0.0, 2.0), abs=1e-6)
     inner = solid.triangles.vertices[(abs(solid.triangles.vertices) < 9.5)[:, :2].all(axis=1)]

@@ -12,10 +12,11 @@ from OCP.BRepCheck import BRepCheck_Analyzer
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry.outline import Circle, Loop, Region
+from perfqr_cad.profile import Profile
 from perfqr_cad.profile.sections import sections
 from perfqr_cad.profile.walls import Walls
-from perfqr_cad.solid import build_region
-from perfqr_cad.solid.charts.plane import PlaneChart
+from perfqr_cad.solid import build_profile
+from perfqr_cad.solid.charts.plane_chart import PlaneChart
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.solid.kernel.from_shape import brep_of
 from perfqr_cad.solid.kernel.modelled import ModelledSurfaces
@@ -225,7 +226,7 @@ def test_an_image_that_strays_is_found_out() -> None:
     """A panel built with the images of a thicker wall."""
     from OCP.Geom import Geom_CylindricalSurface
 
-    solid = build_region(Region(OUTER, (square(0, 0, 1),)), Cylinder(30.0, 2.0))
+    solid = build_profile(Profile((Region(OUTER, (square(0, 0, 1),)),)), Cylinder(30.0, 2.0))
     assert isinstance(solid.exact, Brep)
     assert check(solid.exact) == ()
     front = next(b.of for b in solid.exact.surfaces if isinstance(b.of, ModelledSurfaces))

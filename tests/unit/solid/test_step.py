@@ -12,8 +12,8 @@ from OCP.BRepCheck import BRepCheck_Analyzer
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry.outline import Circle, Loop, Region
-from perfqr_cad.profile import Walls
-from perfqr_cad.solid import Solid, build_region, read_step, write_step
+from perfqr_cad.profile import Profile, Walls
+from perfqr_cad.solid import Solid, build_profile, read_step, write_step
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.solid.step.text import real, text
 from perfqr_cad.surface import Cone, Cylinder, HeightField, Placement, Plane, Revolution, Sphere
@@ -34,7 +34,7 @@ WALLS: dict[str, Placement] = {
 
 
 def part(placement: Placement, walls: Walls | None = None) -> Solid:
-    return build_region(Region(OUTER, HOLES), placement, walls)
+    return build_profile(Profile((Region(OUTER, HOLES),)), placement, walls)
 
 
 @pytest.mark.parametrize("heal", [True, False])

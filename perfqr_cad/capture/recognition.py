@@ -1,0 +1,273 @@
+"""From a picture to a code. Guesses of its place come cheap ones first, to be fitted, sampled and corrected.
+
+A guess becomes a capture only when its function patterns fit, every block is corrected within what the
+standard allows, and the symbol so found agrees with what was seen. Decoders only lend their eyes: the
+payload is always that of the modules sampled here, and must be theirs where they read one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perfqr_cad.capture.art import art_of, rectify
+from perfqr_cad.capture.capture import Capture, Sampling
+from perfqr_cad.capture.finders import triples
+from perfqr_cad.capture.grid import CORNERS, Floats, Grid, project
+from perfqr_cad.capture.image import Picture, load_image, luminance
+from perfqr_cad.capture.register import Workspace, correlation, register, workspace
+from perfqr_cad.capture.sampling import (
+    global_threshold,
+    levels,
+    sample_modules,
+    soft_log_likelihood,
+    vote_log_likelihood,
+)
+from perfqr_cad.capture.seeds import Seed, opencv_seeds, wechat_seeds, zxing_seeds
+from perfqr_cad.capture.views import greys, is_colourful, projections, searched
+from perfqr_cad.capture.warp import bent
+from perfqr_cad.errors import CaptureError, SymbolError
+from perfqr_cad.symbol import Matrix, Recovery, format_candidates, layout, recover, size_of
+
+RECTIFIED_MODULE_PX = 12
+LEAST_LIKENESS = 0.25  # the same of the finders alone, before the grid is fitted
+LEAST_FIT = 0.35  # correlation with the function patterns; noise and text stay below 0.3
+FLAT_FIT = 0.93  # a page that fits so well flat is not bent
+GOOD_FIT = 0.6  # from here on a failure says that the code is damaged, not that there is none
+SIZES_TRIED = 3  # of those that fit best, for a seed that does not know its size
+SEEDS_TRIED = 150  # these two bound the time spent on a picture without a readable code
+CORRECTIONS_TRIED = 8
+LEAST_AGREEMENT = 0.6  # of the modules with the corrected symbol; by chance it is 0.5 ± 0.02
+FORMAT_UNREADABLE = 15  # all bits of the format information
+SAME_PLACE = 0.12  # of a symbol's side: seeds nearer than this are one
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """A grid whose modules were corrected to a symbol."""
+
+    picture: Picture
+    grid: Grid
+    light: NDArray[np.float64]
+    dark: NDArray[np.float64]
+    log_likelihood: NDArray[np.float64]
+    recovery: Recovery
+
+
+def read(
+    source: str | Path | bytes | NDArray[Any],
+    *,
+    sampling: Sampling = "soft",
+    rectified_module_px: int = RECTIFIED_MODULE_PX,
+) -> Capture:
+    """The QR code in a picture.
+
+    source    what `load_image` takes
+    sampling  "soft": shades against the levels of dark and light nearby; "gaussian": the majority of the
+              paper's Gaussian points in the picture binarised by one threshold (§4.2)
+
+    CaptureError says whether no code was found, or one that is damaged beyond its capacity.
+
+    >>> import numpy as np
+    >>> from perfqr_cad.symbol import encode
+    >>> light = ~np.pad(encode("HELLO").matrix.dark, 4)
+    >>> capture = read(np.kron(light, np.ones((6, 6), bool)))
+    >>> capture.recovery.payload.text, capture.art.kind
+    ('HELLO', 'plain')
+    """
+    picture = _without_idle_colour(load_image(source))
+    damage: tuple[float, str] = (0.0, "")
+    tries = 0
+    for view, seed in _distinct(_seeds(picture)):
+        for space, grid, fit in _registered(view, seed):
+            tries += 1
+            if tries > CORRECTIONS_TRIED:
+                raise CaptureError(_failure(source, picture, *damage))
+            try:
+                found = _corrected(picture, space, grid, fit, seed, sampling)
+            except SymbolError as failure:
+                damage = max(damage, (abs(fit), str(failure)))
+            else:
+                return _capture(found, seed.engine, fit < 0, rectified_module_px)
+    raise CaptureError(_failure(source, picture, *damage))
+
+
+def _without_idle_colour(picture: Picture) -> Picture:
+    return picture if is_colourful(picture) else luminance(picture)
+
+
+def _seeds(picture: Picture) -> Iterator[tuple[Picture, Seed]]:
+    """Guesses by decoders and by our own search, each with the grey view that shows it; cheapest first."""
+    views = greys(picture)
+    for decoder in (zxing_seeds, _finder_seeds, wechat_seeds, opencv_seeds):
+        yield from ((views[0], seed) for seed in decoder(views[0]))
+    for view in views[1:]:
+        for decoder in (zxing_seeds, _finder_seeds):
+            yield from ((view, seed) for seed in decoder(view))
+    for view in views:
+        for name, image, back in searched(view):
+            for decoder in (zxing_seeds, _finder_seeds):
+                for seed in decoder(image):
+                    engine, places = f"{seed.engine}, {name}", project(back, seed.places)
+                    yield view, replace(seed, engine=engine, places=places)
+
+
+def _finder_seeds(image: Picture) -> Iterator[Seed]:
+    for triple in triples(image):
+        yield Seed("finders", triple.centres, triple.sizes, None, True)
+
+
+def _distinct(seeds: Iterator[tuple[Picture, Seed]]) -> Iterator[tuple[Picture, Seed]]:
+    """Seeds that are not where another of their view was already, `SEEDS_TRIED` of them at the most."""
+    seen: list[tuple[int, Floats]] = []
+    for view, seed in seeds:
+        place = np.append(seed.places.mean(axis=0), np.ptp(seed.places, axis=0))
+        near = SAME_PLACE * float(place[2:].max())
+        kind = id(view) + len(seed.places)
+        if any(kind == other and np.abs(place - old).max() < near for other, old in seen):
+            continue
+        seen.append((kind, place))
+        yield view, seed
+        if len(seen) >= SEEDS_TRIED:
+            return
+
+
+def _registered(grey: Picture, seed: Seed) -> Iterator[tuple[Workspace, Grid, float]]:
+    """The grids that a seed leads to, fitted to the picture, best first."""
+    starts = _starts(grey, seed)
+    fitted = [(space, *register(space, grid)) for space, grid in starts]
+    for space, grid, fit in sorted(fitted, key=lambda one: -abs(one[2])):
+        if abs(fit) >= LEAST_FIT:
+            yield space, grid, fit
+
+
+def _starts(grey: Picture, seed: Seed) -> list[tuple[Workspace, Grid]]:
+    """Grids to begin with: of the given size, or of those whose finders look most like the picture."""
+    sizes = seed.sizes or tuple(size_of(version) for version in range(1, 41))
+    turns = range(1 if seed.oriented else 4)
+    grids = [
+        Grid.from_corners(size, np.roll(seed.corners(size), -k, axis=0)) for size in sizes for k in turns
+    ]
+    grids = [grid for grid in grids if grid.module_px > 0]
+    if len(grids) <= 1:
+        return [(workspace(grey, grid), grid) for grid in grids]
+    middle = sorted(grids, key=lambda grid: grid.size)[len(grids) // 2]
+    space = workspace(grey, middle)
+    likeness = {id(grid): abs(correlation(space, grid, "finders")) for grid in grids}
+    grids = sorted(
+        (one for one in grids if likeness[id(one)] >= LEAST_LIKENESS), key=lambda one: -likeness[id(one)]
+    )
+    return [(workspace(grey, grid), grid) for grid in grids[:SIZES_TRIED]]
+
+
+def _corrected(
+    picture: Picture, space: Workspace, grid: Grid, fit: float, seed: Seed, sampling: Sampling
+) -> _Found:
+    """The symbol on this grid, on a bent one, or in another colour; else SymbolError of the first try."""
+    first: SymbolError | None = None
+    best: _Found | None = None
+    for candidate in _shapes(space, grid, fit, seed):
+        for _, shade in projections(picture, candidate, fit < 0):
+            try:
+                found = _recovered(shade, candidate, seed, sampling)
+            except SymbolError as failure:
+                first = first or failure
+                continue
+            if best is None or sum(found.recovery.errors) < sum(best.recovery.errors):
+                best = found
+            break
+        if best is not None and not any(best.recovery.errors):
+            return best
+    if best is None:
+        raise first or SymbolError("no grid could be laid over the code")
+    return best
+
+
+def _shapes(space: Workspace, grid: Grid, fit: float, seed: Seed) -> Iterator[Grid]:
+    """The flat grid, then grids bent as the page may be."""
+    yield grid
+    if abs(fit) >= FLAT_FIT:
+        return
+    yield bent(space, grid)
+    if len(seed.places) == 3:
+        yield bent(space, Grid.from_corners(grid.size, seed.corners(grid.size)))
+
+
+def _recovered(shade: Picture, grid: Grid, seed: Seed, sampling: Sampling) -> _Found:
+    """Sampled and corrected, as it is or as in a mirror."""
+    samples = sample_modules(shade, grid)
+    light, dark = levels(samples)
+    if sampling == "soft":
+        likely = soft_log_likelihood(samples, light, dark)
+    else:
+        likely = vote_log_likelihood(samples, global_threshold(shade))
+    if _format_distance(likely.T) < _format_distance(likely):
+        grid, light, dark, likely = _transposed(grid), light.T, dark.T, likely.T
+    return _Found(shade, grid, light, dark, likely, _trusted(likely, seed))
+
+
+def _format_distance(likely: NDArray[np.float64]) -> int:
+    """Wrong bits in the better copy of the format information."""
+    try:
+        return min(min(one.distances) for one in format_candidates(Matrix.from_array(likely > 0)))
+    except SymbolError:
+        return FORMAT_UNREADABLE
+
+
+def _trusted(likely: NDArray[np.float64], seed: Seed) -> Recovery:
+    """The recovery, unless it contradicts what was seen or what the decoder read."""
+    recovery = recover(Matrix.from_array(likely > 0), log_likelihood=likely)
+    placed = layout(recovery.observed.version, recovery.symbol.level).codeword_of >= 0
+    same = recovery.observed.dark[placed] == recovery.symbol.matrix.dark[placed]
+    if same.mean() < LEAST_AGREEMENT:
+        raise SymbolError(
+            f"corrected to a symbol that only {same.mean():.0%} of the modules agree with, at least "
+            f"{LEAST_AGREEMENT:.0%} must: take a clearer picture"
+        )
+    if any(recovery.erasures) and seed.payload is not None and seed.payload != recovery.payload.data:
+        raise SymbolError(f"read otherwise than by {seed.engine}, after erasures: take a clearer picture")
+    return recovery
+
+
+def _transposed(grid: Grid) -> Grid:
+    """The grid of the mirrored symbol: rows and columns change places."""
+    swap = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, 1]])
+    return replace(grid, homography=grid.homography @ swap, warp=grid.warp.transpose(1, 0, 2)[..., ::-1])
+
+
+def _capture(found: _Found, engine: str, inverted: bool, module_px: int) -> Capture:
+    likely = found.log_likelihood
+    return Capture(
+        matrix=found.recovery.observed,
+        log_likelihood=likely,
+        recovery=found.recovery,
+        art=art_of(found.picture, found.grid, likely > 0, found.light, found.dark),
+        rectified=rectify(found.picture, found.grid, module_px),
+        homography=np.asarray(found.grid.homography, np.float64),
+        warp=np.asarray(found.grid.warp, np.float64),
+        confidence=1.0 / (1.0 + np.exp(-np.abs(likely))),
+        engine=engine,
+        inverted=inverted,
+        mirrored=_is_mirrored(found.grid),
+    )
+
+
+def _is_mirrored(grid: Grid) -> bool:
+    a, b, c, _ = grid.pixels(CORNERS * grid.size)
+    return bool(np.linalg.det(np.stack([b - a, c - a])) < 0)
+
+
+def _failure(source: str | Path | bytes | NDArray[Any], picture: Picture, fit: float, damage: str) -> str:
+    name = Path(source).name if isinstance(source, str | Path) else "the picture"
+    if fit >= GOOD_FIT:
+        return f"the code in {name} cannot be read: {damage}"
+    height, width = picture.shape[:2]
+    return (
+        f"no QR code found in {name} ({width} × {height} pixels): take a sharper, straighter or larger "
+        "picture with all three finder patterns in it"
+    )

@@ -1,0 +1,174 @@
+"""The chain: a `Request` becomes a `Design`, each step a free function of its own layer.
+
+    text | picture -> symbol -> pattern -> placement -> strength -> solid -> scan
+
+`run` is the only place where the layers meet.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from perfqr_cad.errors import DesignError, NotHeldError
+from perfqr_cad.pipeline.design import Design
+from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
+from perfqr_cad.pipeline.promises import promises, require_kept
+from perfqr_cad.pipeline.request import SETTINGS, Request
+from perfqr_cad.pipeline.resolve import Terms, resolve
+from perfqr_cad.pipeline.setting import takes
+from perfqr_cad.pipeline.targets import Site, Target, locate
+from perfqr_cad.pipeline.tuning import for_reader
+from perfqr_cad.progress import tell
+
+if TYPE_CHECKING:
+    from perfqr_cad.capture import Capture
+    from perfqr_cad.pattern import Pattern
+    from perfqr_cad.scan import ScanReport
+    from perfqr_cad.solid import Solid
+    from perfqr_cad.symbol import Level, Symbol
+
+
+@takes(SETTINGS)
+def make(
+    text: str | None = None, *, image: str | Path | None = None, target: Target | None = None, **settings: Any
+) -> Design:
+    """Make a part from a text or a picture, with settings as listed below (the fields of `Request`).
+
+    `target` is what the code is carved into; a flat plate of `thickness_mm` unless given.
+
+    Raises `PerfQRError`: `SymbolError` and `CaptureError` for the code, `DesignError` for sizes and for a
+    part that no decoder reads, `KernelError` for the solid, `AnalysisError` for the strength.
+    """
+    return run(asked(text, image=image, **settings), target)
+
+
+def asked(text: str | None = None, *, image: str | Path | None = None, **settings: Any) -> Request:
+    """The request that settings by name make. Raises `DesignError` for a name that is none."""
+    known = Request.__dataclass_fields__
+    for name in settings:
+        if name not in known:
+            raise DesignError(f"make() has no setting {name!r}: it has {', '.join(known)}")
+    return Request(text=text, image=None if image is None else str(image), **settings)
+
+
+def run(request: Request, target: Target | None = None) -> Design:
+    """The whole chain for one request.
+
+    Raises `NotHeldError` when the part is weak or unread where it was asked not to be; its message names a
+    change with which the part was made and holds, or says what was tried.
+    """
+    try:
+        return _once(request, target)
+    except NotHeldError as shortfall:
+        raise advised(shortfall, request, lambda changed: _once(changed, target)) from None
+
+
+def _once(request: Request, target: Target | None) -> Design:
+    from perfqr_cad import pattern as patterns
+    from perfqr_cad import structure
+
+    watch = _Stopwatch()
+    require_known(request)
+    terms = resolve(request, plate=target is None)
+    with watch("symbol"):
+        capture, symbol = _source(request, terms)
+    with watch("pattern"):
+        drawn = patterns.build(symbol, terms.drawing, None if capture is None else capture.art)
+    with watch("placement"):
+        site = locate(target, terms, drawn.extent_mm)
+    if request.scan_tilt_deg:
+        with watch("tuning"):
+            terms = for_reader(terms, drawn, site.placement.thickness_mm, plate=target is None)
+        if target is None:  # its thickness may be another now
+            site = locate(target, terms, drawn.extent_mm)
+    case = terms.case_in(site.placement.thickness_mm)
+    with watch("structure"):
+        reinforced = structure.reinforce(drawn, site.placement, case, method=terms.method)
+    require_borne(request, reinforced)
+    verified = None
+    if request.verify_solid:
+        with watch("solid check"):
+            verified = structure.verify_solid(reinforced.pattern, site.placement, case)
+    with watch("solid"):
+        solid = site.solid(reinforced.pattern, terms)
+    kept = promises(reinforced.pattern, solid)
+    require_kept(kept)
+    with watch("scan"):
+        report = _filmed(terms, site, solid, reinforced.pattern)
+    require_read(request, report)
+    return Design(
+        terms.request,
+        capture,
+        symbol,
+        reinforced.pattern,
+        site.placement,
+        reinforced,
+        solid,
+        report,
+        watch.seconds,
+        verified,
+        kept,
+    )
+
+
+def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
+    """Film a written part (.step, .stl, .3mf, or a design .json) with every decoder on this machine.
+
+    Without `text` the payload is what the certificate says, or what the decoders agree on.
+    """
+    from perfqr_cad import scan
+    from perfqr_cad.hosts.step.meshing import mesh_step
+
+    return scan.part(path, text, mesh_step=mesh_step)
+
+
+def _source(request: Request, terms: Terms) -> tuple[Capture | None, Symbol]:
+    """The symbol of a text, masked so that its material hangs together, or of the code in a picture with its
+    codewords corrected."""
+    if request.image is not None:
+        from perfqr_cad.capture import read
+
+        capture = read(request.image)
+        return capture, capture.recovery.symbol
+    from perfqr_cad.pattern.choice import easiest_mask
+    from perfqr_cad.symbol import encode
+
+    assert request.text is not None  # Request holds exactly one of text and image
+    level: Level = request.level  # pyright: ignore[reportAssignmentType]  # encode refuses other letters
+    symbol = encode(request.text, version=request.version, level=level, mask=request.mask)
+    return None, symbol if request.mask is not None else easiest_mask(symbol, terms.drawing)
+
+
+def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanReport:
+    """What the decoders make of the finished solid."""
+    from perfqr_cad import scan
+    from perfqr_cad.symbol import payload_of
+
+    return scan.certify(
+        solid.triangles,
+        site.placement,
+        pattern,
+        payload_of(pattern.symbol).data,
+        schedule=terms.views,
+        look=terms.look,
+        seed=terms.request.seed,
+        behind=site.behind(solid),
+    )
+
+
+class _Stopwatch:
+    """Seconds by step, announced as they begin."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, step: str) -> Generator[None]:
+        tell(step)
+        begin = time.perf_counter()
+        yield
+        self.seconds[step] = time.perf_counter() - begin

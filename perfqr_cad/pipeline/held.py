@@ -1,0 +1,103 @@
+"""Whether the part holds what was asked for by name, and a change with which it does: one that was made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from perfqr_cad.errors import DesignError, NotHeldError, PerfQRError
+from perfqr_cad.pipeline.request import SETTINGS, Request
+
+if TYPE_CHECKING:
+    from perfqr_cad.scan import ScanReport
+    from perfqr_cad.structure import Reinforcement
+
+LEAST_READERS = 2  # a part that fewer engines read from straight above counts as unread
+LOADS = ("pressure_mpa", "finger_n", "own_weight")
+LARGER, THICKER, THINNER = (1.25, 1.6), (1.5, 2.0), (0.75, 0.5)  # factors tried, the smallest change first
+THINNEST_MM = 0.8  # that still prints as a plate
+
+
+def require_known(request: Request) -> None:
+    """Raises `DesignError` for a decoder asked for by name that this machine does not have."""
+    from perfqr_cad.scan.decoding.decoders import available
+
+    for name in required(request):
+        if name not in available():
+            raise DesignError(f"decoder {name!r} is not here: require one of {', '.join(available())}")
+
+
+def required(request: Request) -> tuple[str, ...]:
+    """The decoders that must read the part, by name."""
+    return tuple(name.strip() for name in (request.require or "").split(",") if name.strip())
+
+
+def require_borne(request: Request, reinforced: Reinforcement) -> None:
+    """Raises `NotHeldError` when a load was asked for by name and the part does not bear it."""
+    asked = [name for name in LOADS if getattr(request, name) != _default(name)]
+    if asked and not reinforced.strong and not request.accept_weak:
+        stress, loads = reinforced.after, " and ".join(f"{name}={getattr(request, name):g}" for name in asked)
+        raise NotHeldError(
+            f"weak under {loads}: {stress.max_stress_mpa:.3g} MPa of {stress.yield_mpa:g} "
+            "(--accept-weak writes it all the same)"
+        )
+
+
+def require_read(request: Request, report: ScanReport) -> None:
+    """Raises `NotHeldError` when fewer than two engines read the part, or not those, or not to the tilt, that
+    were asked for."""
+    if (shortfall := _unread(request, report)) and not request.accept_unread:
+        raise NotHeldError(f"{shortfall} (--accept-unread writes it all the same)")
+
+
+def _unread(request: Request, report: ScanReport) -> str | None:
+    readers, wanted = report.readers, required(request)
+    if missing := [name for name in wanted if name not in readers]:
+        return f"{', '.join(missing)}: required, and cannot read the part from straight above"
+    if len(readers) < LEAST_READERS:
+        read = f"{readers[0]} alone" if readers else "none"
+        return f"{read} of {len(report.decoders)} decoders ({', '.join(report.decoders)}) reads the part"
+    if (tilt_deg := request.scan_tilt_deg) is None:
+        return None
+    reach_deg = {name: report.decoders[name].max_tilt_deg or 0.0 for name in readers}
+    there = [name for name, limit_deg in reach_deg.items() if limit_deg >= tilt_deg]
+    if len(there) >= LEAST_READERS and set(wanted) <= set(there):
+        return None
+    limits = ", ".join(f"{name} to {limit_deg:g}°" for name, limit_deg in reach_deg.items())
+    return f"read by {limits}, asked for {tilt_deg:g}°"
+
+
+def advised(shortfall: NotHeldError, request: Request, make: Callable[[Request], object]) -> NotHeldError:
+    """The shortfall with a remedy: the first single change of the request with which `make` succeeds."""
+    tried: list[str] = []
+    for words, changed in _remedies(request):
+        try:
+            make(changed)
+        except PerfQRError:
+            tried.append(words)
+        else:
+            return NotHeldError(f"{shortfall}: use {words}, which was tried")
+    return NotHeldError(f"{shortfall}: tried without success: {'; '.join(tried)}")
+
+
+def _remedies(request: Request) -> Iterator[tuple[str, Request]]:
+    """Single changes of the request that may help, with the option that makes each."""
+    if request.colour is not None or request.ground is not None:
+        yield "no --colour and --ground of your own", replace(request, colour=None, ground=None)
+    if request.depth_mm is not None:
+        yield "no --depth, for through-holes", replace(request, depth_mm=None)
+    for share in THINNER:
+        if (thin := round(share * request.thickness_mm, 2)) >= THINNEST_MM:
+            yield f"--thickness {thin:g}", replace(request, thickness_mm=thin)
+    if request.size_mm is not None:
+        for factor in LARGER:
+            size = round(factor * request.size_mm)
+            yield f"--size {size}", replace(request, size_mm=float(size))
+    for factor in THICKER:
+        thick = round(factor * request.thickness_mm, 2)
+        yield f"--thickness {thick:g}", replace(request, thickness_mm=thick)
+
+
+def _default(name: str) -> object:
+    return next(declared.default for declared in SETTINGS if declared.field == name)

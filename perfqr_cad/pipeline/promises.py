@@ -1,0 +1,115 @@
+"""What the chain promises of every part, checked once more at its end on the finished values alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from perfqr_cad.errors import DesignError, SymbolError
+
+if TYPE_CHECKING:
+    from perfqr_cad.pattern import Pattern
+    from perfqr_cad.solid import Solid
+
+VOLUME_TOL = 1e-6  # share by which the solid may differ from its outline's own volume, as on curved walls
+
+
+@dataclass(frozen=True)
+class Promise:
+    """One check of the finished part: what it measures, the figure, its limit, and whether that is kept."""
+
+    name: str
+    value: float | str | None
+    limit: str
+    kept: bool
+
+    def as_dict(self) -> dict[str, Any]:
+        """The promise as the certificate lists it."""
+        return asdict(self)
+
+
+def promises(pattern: Pattern, solid: Solid) -> tuple[Promise, ...]:
+    """Every promise of a part, kept or not; none is left out."""
+    return (
+        _readability(pattern),
+        *_blocks(pattern),
+        _payload(pattern),
+        _pieces(pattern),
+        _bodies(solid),
+        _watertight(solid),
+        _boundary(solid),
+        _volume(solid),
+    )
+
+
+def require_kept(made: Iterable[Promise]) -> None:
+    """Raises `DesignError` for the first promise that is not kept, with its figure, limit and remedy."""
+    for promise in made:
+        if not promise.kept:
+            raise DesignError(
+                f"the finished part fails its check of {promise.name}: {promise.value}, must be "
+                f"{promise.limit}; take it larger (--size), or give the text itself instead of a picture"
+            )
+
+
+def _readability(pattern: Pattern) -> Promise:
+    """L(Q) of Eqs. (1)-(3)."""
+    loss = pattern.readability.total
+    return Promise("readability", loss if math.isfinite(loss) else "infinite", "finite", math.isfinite(loss))
+
+
+def _blocks(pattern: Pattern) -> Iterable[Promise]:
+    """Errors of each block against what it can correct."""
+    found = pattern.readability
+    pairs = zip(found.errors, found.capacity, strict=True)
+    for number, (errors, capacity) in enumerate(pairs, start=1):
+        yield Promise(f"block {number}", errors, f"at most {capacity} wrong codewords", errors <= capacity)
+
+
+def _payload(pattern: Pattern) -> Promise:
+    """What our own reader makes of the matrix that was sampled on the finished region."""
+    from perfqr_cad.symbol import payload_of, recover
+
+    wanted = payload_of(pattern.symbol).data
+    try:
+        found = recover(pattern.observed).payload.data
+    except SymbolError as error:
+        return Promise("payload", str(error), "read back", False)
+    return Promise("payload", f"{len(found)} bytes", "read back to the byte", found == wanted)
+
+
+def _pieces(pattern: Pattern) -> Promise:
+    """Pieces of the region once half the least web is taken off all around."""
+    from perfqr_cad.pattern.drawing.contours import web_pieces
+
+    web_mm = pattern.spec.web_mm
+    count = len(web_pieces(pattern.web_polygon, web_mm))
+    return Promise("web", count, f"1 piece with {web_mm / 2:g} mm off all around", count == 1)
+
+
+def _bodies(solid: Solid) -> Promise:
+    triangles = solid.triangles
+    count = len(np.unique(triangles.vertex_components[triangles.faces]))
+    return Promise("pieces", count, "1", count == 1)
+
+
+def _watertight(solid: Solid) -> Promise:
+    closed = solid.triangles.closed
+    return Promise("watertight", "closed" if closed else "open", "closed", closed)
+
+
+def _boundary(solid: Solid) -> Promise:
+    return Promise("boundary", "; ".join(solid.problems) or "sound", "sound", solid.valid)
+
+
+def _volume(solid: Solid) -> Promise:
+    """The solid's volume against that of outline and surface; carved hosts have no such figure."""
+    expected = solid.expected_volume_mm3
+    if expected is None:
+        return Promise("volume", solid.volume_mm3, "above 0 mm³", solid.volume_mm3 > 0)
+    share = abs(solid.volume_mm3 - expected) / expected
+    return Promise("volume", share, f"within {VOLUME_TOL:g} of {expected:.9g} mm³", share <= VOLUME_TOL)

@@ -1,0 +1,137 @@
+"""What was asked for by name and is not held is refused, with a remedy that was made."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from perfqr_cad import make
+from perfqr_cad.errors import DesignError, NotHeldError
+from perfqr_cad.pipeline import chain
+from perfqr_cad.pipeline.design import Design
+from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
+from perfqr_cad.pipeline.promises import promises, require_kept
+from perfqr_cad.pipeline.request import Request
+from perfqr_cad.scan import DecoderResult, ScanReport
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    return make(text="HELLO 123", size_mm=40, draft_deg=0)
+
+
+def report(**limits_deg: float | None) -> ScanReport:
+    """Decoders that read to a tilt of 0, 20 or 40°, or not at all."""
+    tilts = (0.0, 20.0, 40.0)
+    results = {
+        name: DecoderResult(name, tilts, tuple(float(limit is not None and t <= limit) for t in tilts), None)
+        for name, limit in limits_deg.items()
+    }
+    return ScanReport("a", results, {})
+
+
+@pytest.mark.parametrize(
+    ("settings", "limits_deg", "says"),
+    [
+        ({}, {"zbar": None, "wechat": None}, "none of 2 decoders"),
+        ({}, {"zbar": 40, "wechat": None}, "zbar alone of 2 decoders"),
+        ({"require": "zbar, wechat"}, {"zbar": None, "wechat": 0, "opencv": 0}, "zbar: required"),
+        ({"scan_tilt_deg": 40.0}, {"zbar": 40, "wechat": 20}, "wechat to 20°, asked for 40°"),
+        (
+            {"scan_tilt_deg": 20.0, "require": "opencv"},
+            {"zbar": 40, "wechat": 20, "opencv": 0},
+            "opencv to 0°",
+        ),
+    ],
+)
+def test_a_part_that_is_not_read_as_asked(settings: dict, limits_deg: dict, says: str) -> None:
+    request = Request("a", **settings)
+    with pytest.raises(NotHeldError, match=says):
+        require_read(request, report(**limits_deg))
+    require_read(replace(request, accept_unread=True), report(**limits_deg))
+
+
+def test_two_engines_are_enough_where_nothing_is_asked() -> None:
+    require_read(Request("a"), report(zbar=0, wechat=0, opencv=None))
+    require_read(Request("a", scan_tilt_deg=20.0, require="zbar"), report(zbar=20, wechat=40))
+
+
+def test_a_decoder_that_is_not_here_is_named() -> None:
+    with pytest.raises(DesignError, match="decoder 'zebra' is not here: require one of zxing-cpp"):
+        require_known(Request("a", require="zbar,zebra"))
+
+
+def test_a_load_that_was_asked_for_must_be_borne(design: Design) -> None:
+    weak = replace(design.reinforcement, status="weak: no affordable bridge is left")
+    require_borne(Request("a"), weak)  # a default that is not held is told, not refused
+    require_borne(Request("a", finger_n=5.0), design.reinforcement)
+    with pytest.raises(NotHeldError, match=r"weak under finger_n=5: .* MPa of 50 \(--accept-weak"):
+        require_borne(Request("a", finger_n=5.0), weak)
+    require_borne(Request("a", finger_n=5.0, accept_weak=True), weak)
+
+
+def test_the_remedy_is_the_first_that_works() -> None:
+    made: list[Request] = []
+
+    def only_thick(request: Request) -> None:
+        made.append(request)
+        if request.thickness_mm < 3:
+            raise NotHeldError("weak still")
+
+    told = advised(NotHeldError("weak"), Request("a", size_mm=40.0), only_thick)
+    assert str(told) == "weak: use --thickness 3.2, which was tried"
+    assert made[-1] == Request("a", size_mm=40.0, thickness_mm=3.2)
+
+
+def test_a_change_that_does_not_help_is_not_called_a_remedy() -> None:
+    def never(_: Request) -> None:
+        raise DesignError("never")
+
+    told = str(advised(NotHeldError("black before black"), Request("a", colour="black"), never))
+    assert "tried without success: no --colour and --ground of your own; " in told
+
+
+def test_the_chain_looks_for_a_remedy_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Request] = []
+
+    def once(request: Request, target: object) -> str:
+        asked.append(request)
+        if request.thickness_mm > 1.3:
+            raise NotHeldError("unread")
+        return "design"
+
+    monkeypatch.setattr(chain, "_once", once)
+    with pytest.raises(NotHeldError, match=r"unread: use --thickness 1\.2, which was tried"):
+        chain.run(Request("a"))
+    assert [request.thickness_mm for request in asked] == [1.6, 1.2]
+
+
+def test_every_promise_is_in_the_certificate(design: Design) -> None:
+    listed = design.certificate()["promises"]
+    names = {"readability", "block 1", "payload", "web", "pieces", "watertight", "boundary", "volume"}
+    assert {promise["name"] for promise in listed} == names
+    assert all(promise["kept"] for promise in listed)
+    require_kept(design.promises)
+
+
+@pytest.mark.parametrize("broken", ["readability", "payload", "web", "pieces", "boundary", "volume"])
+def test_a_broken_promise_is_refused(design: Design, broken: str) -> None:
+    pattern, solid = design.pattern, design.solid
+    match broken:
+        case "readability":
+            lost = replace(pattern.readability, total=float("inf"))
+            pattern = replace(pattern, readability=lost)
+        case "payload":
+            other = make(text="HELLO 124", size_mm=40, draft_deg=0, mask=design.symbol.mask).symbol
+            pattern = replace(pattern, symbol=other)
+        case "web":
+            pattern = replace(pattern, spec=replace(pattern.spec, nozzle_mm=1.2))
+        case "pieces":
+            solid = replace(solid, triangles=solid.triangles.joined(solid.triangles))
+        case "boundary":
+            solid = replace(solid, valid=False, problems=("an edge is used once",))
+        case _:
+            solid = replace(solid, volume_mm3=solid.volume_mm3 * 1.01)
+    with pytest.raises(DesignError, match=f"fails its check of {broken}"):
+        require_kept(promises(pattern, solid))
