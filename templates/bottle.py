@@ -2,7 +2,7 @@
 
 from build123d import Cylinder
 
-from perfqr_cad import make, settings
+from perfqr_cad import DesignError, make, settings
 from perfqr_cad.hosts.step import ImportedFace, mesh_shape
 
 # [Shared: Code]
@@ -23,6 +23,10 @@ clearance = 0.4  # [0.05:0.05:10]
 
 def build(p):
     inner = p.diameter / 2 - p.thickness
+    if inner <= p.clearance / 2:
+        raise DesignError(
+            f"a ring of {p.diameter:g} mm has no room for walls of {p.thickness:g} mm: make them thinner"
+        )
     height = p.height or p.size
     ring = Cylinder(p.diameter / 2, height) - Cylinder(inner, height)
     bottle = mesh_shape(Cylinder(inner - p.clearance / 2, height))

@@ -39,8 +39,10 @@ if TYPE_CHECKING:
     from perfqr_cad.pipeline.design import Design
 
 _HERE = Path(__file__).resolve().parents[1]
-# In a checkout the templates are beside the package, in an installed wheel inside it.
-TEMPLATE_FOLDERS = (_HERE.parent / "templates", _HERE / "templates")
+# An installed wheel has the templates inside the package, a checkout beside it.
+SHIPPED = next(
+    (f for f in (_HERE / "templates", _HERE.parent / "templates") if f.is_dir()), _HERE / "templates"
+)
 MOST_BYTES = 1_000_000  # of a template's source
 
 
@@ -131,5 +133,4 @@ def load(path: Path) -> Template:
 
 
 def _shipped() -> list[Path]:
-    paths = {p.stem: p for folder in reversed(TEMPLATE_FOLDERS) for p in folder.glob("[!_]*.py")}
-    return [paths[stem] for stem in sorted(paths)]
+    return sorted(SHIPPED.glob("[!_]*.py"))

@@ -84,22 +84,24 @@ class FileRecord:
 def check(outputs: Sequence[str | Path]) -> None:
     """Refuse, before any long computation, what `write_outputs` could not write.
 
-    Raises `DesignError` for an unknown suffix, a missing folder of a single file, and a folder that cannot
-    be written to.
+    Raises `DesignError` for an unknown suffix, a name that is to be a file and a folder, and a folder or a
+    name that cannot be written to.
     """
-    folders = {Path(output) for output in outputs if _is_folder(output)}
-    for target in _targets(outputs):
+    targets = _targets(outputs)
+    for target in targets:
         module_of(target)
-        check_writable(target.parent, create=target.parent in folders)
+        if taken := next((folder for folder in target.parents if folder in targets), None):
+            raise DesignError(f"{taken} cannot be a file and a folder: name one of them otherwise")
+        check_writable(target)
 
 
 def write(design: DesignView, path: str | Path, options: Options = DEFAULT) -> FileRecord:
-    """Write one file; its suffix is the format. The folder must exist.
+    """Write one file; its suffix is the format. Its folder is made if need be.
 
     Raises `DesignError` for an unknown suffix and for a folder that cannot be written to.
     """
     module_of(path)
-    return _write(design, [Path(path)], set(), options)[0]
+    return _write(design, [Path(path)], options)[0]
 
 
 def write_outputs(
@@ -107,11 +109,10 @@ def write_outputs(
 ) -> tuple[FileRecord, ...]:
     """Write several files and folders; each certificate among them lists all files that are none.
 
-    An output that ends in `/`, has no suffix or is a folder gets `FILES`, and is made if need be. All appear
-    or, after an error, none. Raises `DesignError` as `check` does.
+    An output that ends in `/`, has no suffix or is a folder gets `FILES`; folders are made if need be. All
+    appear or, after an error, none. Raises `DesignError` as `check` does.
     """
-    made = {Path(output) for output in outputs if _is_folder(output)}
-    return _write(design, _targets(outputs), made, options)
+    return _write(design, _targets(outputs), options)
 
 
 def module_of(path: str | Path) -> str:
@@ -125,15 +126,13 @@ def module_of(path: str | Path) -> str:
     return FORMATS[suffix]
 
 
-def _write(
-    design: DesignView, targets: Sequence[Path], made: set[Path], options: Options
-) -> tuple[FileRecord, ...]:
+def _write(design: DesignView, targets: Sequence[Path], options: Options) -> tuple[FileRecord, ...]:
     modules = {target: module_of(target) for target in targets}
     parts = [target for target in modules if modules[target] != "certificate"]
     certificates = [target for target in modules if modules[target] == "certificate"]
     with ExitStack() as stack:
         folders = dict.fromkeys(target.parent for target in modules)
-        stages = {folder: stack.enter_context(staged(folder, create=folder in made)) for folder in folders}
+        stages = {folder: stack.enter_context(staged(folder)) for folder in folders}
         records: list[FileRecord] = []
         for target in parts:
             tell(f"writing {target.name}")
@@ -156,7 +155,7 @@ def _targets(outputs: Sequence[str | Path]) -> list[Path]:
 
 
 def _is_folder(output: str | Path) -> bool:
-    return str(output).endswith(("/", os.sep)) or not Path(output).suffix or Path(output).is_dir()
+    return str(output).endswith(("/", os.sep)) or not Path(output).suffix or os.path.isdir(output)
 
 
 def _record(target: Path, written: Path) -> FileRecord:

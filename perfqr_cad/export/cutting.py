@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.design_view import DesignView, face
 from perfqr_cad.geometry import Loop, Region
+from perfqr_cad.geometry.mirror import mirrored
 
 SAME_VOLUME = 1e-6  # relative: a part of this volume is the plain extrusion of its outline
 
@@ -34,19 +35,21 @@ class Cut:
 
 def cut(design: DesignView) -> Cut:
     """The loops of the whole material, recessed bars included, and of the caption."""
-    region = design.pattern.region
+    region = face(design).region
     letters = tuple(loop for letter in engraving(design) for loop in (*letter.holes, letter.outer))
     return Cut(letters, region.holes, region.outer)
 
 
 def engraving(design: DesignView) -> tuple[Region, ...]:
     """The letters of the caption where they stand on the part, raised or sunk; none without a caption."""
-    return design.solid.letters
+    letters = design.solid.letters
+    return tuple(mirrored(letter) for letter in letters) if design.placement.is_turned else letters
 
 
 def is_extrusion(design: DesignView) -> bool:
     """Whether the outline raised by the thickness, and the letters by their relief, is the whole part."""
-    return design.placement.is_flat and _is_volume(design, design.pattern.region.area)
+    upright = design.placement.is_flat and not design.placement.is_turned
+    return upright and _is_volume(design, design.pattern.region.area)
 
 
 def notes(design: DesignView) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from perfqr_cad.export.cutting import cut
-from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.design_view import DesignView, face
 from perfqr_cad.geometry import Arc, Circle, Loop
 from perfqr_cad.geometry.biarc import with_arcs
 from perfqr_cad.geometry.outline import Segment
@@ -52,7 +52,7 @@ def write(design: DesignView, path: Path, *, version: DxfVersion = "r2000", brid
             for loop in loops:
                 _add_loop(document.modelspace(), version, loop, {"layer": name})
         if bridges:
-            _add_bridges(document, version, design.pattern.bridges)
+            _add_bridges(document, version, face(design).bridges)
         document.saveas(path)
 
 

@@ -9,7 +9,7 @@ from typing import Literal
 from xml.sax.saxutils import escape
 
 from perfqr_cad.export.cutting import cut, engraving
-from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.design_view import DesignView, face
 from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop
 from perfqr_cad.pattern import Bridge
 
@@ -31,11 +31,11 @@ def write(design: DesignView, path: Path, *, variant: SvgVariant = "filled") -> 
 def drawing(design: DesignView, *, bridges: bool = False) -> str:
     """The material as one filled path, letters on it; `bridges` lays coloured bars over it by stage."""
     letters = "".join(_path(letter.loops) for letter in engraving(design))
-    bars = "".join(_bar(bridge) for bridge in design.pattern.bridges) if bridges else ""
+    bars = "".join(_bar(bridge) for bridge in face(design).bridges) if bridges else ""
     return _page(
         design,
         f'<path class="part" fill="{MATERIAL}" fill-rule="evenodd" '
-        f'd="{path_data(design.pattern.region.loops)}"/>\n'
+        f'd="{path_data(face(design).region.loops)}"/>\n'
         + _group("engrave", f'fill="{LETTERS}" fill-rule="evenodd"', letters)
         + bars,
     )

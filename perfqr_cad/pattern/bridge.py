@@ -46,6 +46,10 @@ class Bridge:
         dx, dy = (y1 - y0) * reach, (x0 - x1) * reach  # half the width to the right
         return (x0 + dx, y0 + dy), (x1 + dx, y1 + dy), (x1 - dx, y1 - dy), (x0 - dx, y0 - dy)
 
+    def mirrored(self) -> Bridge:
+        """The same bar at −x."""
+        return replace(self, start=(-self.start[0], self.start[1]), end=(-self.end[0], self.end[1]))
+
     def lengthened(self, by_mm: float) -> Bridge:
         """The same bar, longer by so much at both ends."""
         (x0, y0), (x1, y1) = self.start, self.end

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.mirror import mirrored
 from perfqr_cad.geometry.outline import Region
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.cells.brightness import solid_part
@@ -76,6 +77,15 @@ class Pattern:
     def recessed(self) -> tuple[Bridge, ...]:
         """The bridges that fill only the back of the part; `region` is `front` and these."""
         return tuple(bridge for bridge in self.bridges if bridge.is_recessed)
+
+    def mirrored(self) -> Pattern:
+        """The outlines and bridges as seen from behind; what was read and counted stays."""
+        return replace(
+            self,
+            region=mirrored(self.region),
+            front=tuple(mirrored(region) for region in self.front),
+            bridges=tuple(bridge.mirrored() for bridge in self.bridges),
+        )
 
     @cached_property
     def polygon(self) -> Polygon:

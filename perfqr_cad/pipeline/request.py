@@ -81,6 +81,15 @@ class Request:
         group="Look",
         choices=("recessed:at the back", "panel:flush bars", "diagonal:four corner bars"),
     )
+    bars: int | None = setting(
+        None, "recessed bars of a finder ring", group="Look", range=(1, 2), empty="as reads best"
+    )
+    bar_height_mm: float | None = setting(
+        None, "their height above the back", group="Look", range=(0.05, 100.0), empty="as reads best"
+    )
+    bar_width_mm: float | None = setting(
+        None, "their width", group="Look", range=(0.05, 100.0), empty="as reads best"
+    )
     objective: str = setting(
         "optimal",
         "how bridges are chosen",
@@ -152,6 +161,9 @@ class Request:
         empty="none",
     )
     gap_mm: float = setting(0.0, "gap before the backing", group="Body", range=(0.0, 500.0))
+    mirror: bool = setting(
+        False, "the face is drawn mirrored, to be read from behind: for stamps and moulds", group="Body"
+    )
     material: str = setting(
         "PLA",
         "what the part is made of",

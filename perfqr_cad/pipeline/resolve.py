@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pipeline.request import Request
@@ -97,10 +97,6 @@ def _drawing(request: Request) -> PatternSpec:
     """What the pattern is asked to be."""
     from perfqr_cad.pattern import Hole, PatternSpec, Surround
 
-    # The smaller the bars, the further from aside zxing-cpp reads the part: docs/scan.md.
-    bars = {}
-    if request.scan_tilt_deg:
-        bars = {"bar_width_mm": request.nozzle_mm, "bar_height_mm": LAYER_SHARE * request.nozzle_mm}
     return PatternSpec(
         size_mm=request.size_mm,
         quiet_modules=request.quiet_modules,
@@ -108,7 +104,7 @@ def _drawing(request: Request) -> PatternSpec:
         style=request.style,  # pyright: ignore[reportArgumentType]  # PatternSpec refuses unknown names
         fillet_mm=request.fillet_mm,
         finder=request.finder,  # pyright: ignore[reportArgumentType]
-        **bars,
+        **_bars(request),
         objective=request.objective,  # pyright: ignore[reportArgumentType]
         contour=request.contour,  # pyright: ignore[reportArgumentType]
         tone=request.tone,  # pyright: ignore[reportArgumentType]
@@ -120,6 +116,16 @@ def _drawing(request: Request) -> PatternSpec:
         ),
         seed=request.seed,
     )
+
+
+def _bars(request: Request) -> dict[str, Any]:
+    """Settings of the recessed bars: as asked for, and what is left open as suits the tilt."""
+    chosen: dict[str, Any] = {}
+    if request.scan_tilt_deg:  # the smaller the bars, the further from aside zxing-cpp reads: docs/scan.md
+        layer_mm = LAYER_SHARE * request.nozzle_mm
+        chosen = {"bars": 1, "bar_width_mm": request.nozzle_mm, "bar_height_mm": layer_mm}
+    asked = {name: getattr(request, name) for name in ("bars", "bar_height_mm", "bar_width_mm")}
+    return chosen | {name: value for name, value in asked.items() if value is not None}
 
 
 def _caption(request: Request) -> Caption | None:
