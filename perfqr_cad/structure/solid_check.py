@@ -42,8 +42,8 @@ BYTES_OF_WEDGE = 2.0 * 54 * 54 * 8  # its matrix, and what assembling copies of 
 
 @dataclass(frozen=True)
 class SolidCheck:
-    """Largest deflection (mm) and disc-averaged stress (MPa) of the solid and of the shell on one mesh; under a
-    hand the shell's stress is that of the certificate, with its margin.
+    """Largest deflection (mm) and disc-averaged stress (MPa) of the solid and of the shell on one mesh; under
+    a hand the shell's stress is that of the certificate, with its margin.
 
     load   what was done to the part, in words
     bytes  what was reckoned to be needed
