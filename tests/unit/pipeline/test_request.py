@@ -14,6 +14,7 @@ from perfqr_cad.pipeline.parameter import Parameter
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import DRAFT_DEG, LIP_MM, Terms, resolve
 from perfqr_cad.pipeline.setting import GROUPS, UNITS
+from perfqr_cad.profile.caption import Place
 from perfqr_cad.scan import FULL, QUICK
 from perfqr_cad.scan.colours import BACKGROUNDS, FILAMENTS
 from perfqr_cad.structure.loads import Hold
@@ -77,6 +78,7 @@ def test_the_choices_are_those_that_the_layers_know() -> None:
     assert set(by_name.pop("level")) == set(get_args(Level))
     assert by_name.pop("material") == list(MATERIALS)
     assert set(by_name.pop("support")) == {hold.value for hold in Hold}
+    assert by_name.pop("caption_place") == list(get_args(Place))
     assert by_name.pop("dxf") == list(get_args(DxfVersion))
     assert by_name.pop("svg") == list(get_args(SvgVariant))
     assert by_name == {"method": ["optimal", "paper"]}
