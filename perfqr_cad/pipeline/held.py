@@ -7,14 +7,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from perfqr_cad.errors import DesignError, NotHeldError, PerfQRError
-from perfqr_cad.pipeline.request import SETTINGS, Request
+from perfqr_cad.pipeline.request import Request
+from perfqr_cad.pipeline.resolve import asked_loads
 
 if TYPE_CHECKING:
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.structure import Reinforcement
 
 LEAST_READERS = 2  # a part that fewer engines read from straight above counts as unread
-LOADS = ("pressure_mpa", "finger_n", "own_weight")
 LARGER, THICKER, THINNER = (1.25, 1.6), (1.5, 2.0), (0.75, 0.5)  # factors tried, the smallest change first
 THINNEST_MM = 0.8  # that still prints as a plate
 
@@ -35,11 +35,15 @@ def required(request: Request) -> tuple[str, ...]:
 
 def require_borne(request: Request, reinforced: Reinforcement) -> None:
     """Raises `NotHeldError` when a load was asked for by name and the part does not bear it."""
-    asked = [name for name in LOADS if getattr(request, name) != _default(name)]
-    if asked and not reinforced.strong and not request.accept_weak:
-        stress, loads = reinforced.after, " and ".join(f"{name}={getattr(request, name):g}" for name in asked)
+    named = {entry.partition("=")[0].strip() for entry in asked_loads(request)}
+    if request.pressure_mpa:
+        named.add("pressure")
+    if "handling" in named:
+        named |= {one.load.name for one in reinforced.capacities}
+    short = [one for one in reinforced.capacities if one.load.name in named and not one.enough]
+    if short and not request.accept_weak:
         raise NotHeldError(
-            f"weak under {loads}: {stress.max_stress_mpa:.3g} MPa of {stress.yield_mpa:g} "
+            f"weak: bears {short[0].words}, asked {short[0].asked_n:.3g} N, and breaks {short[0].breaks} "
             "(--accept-weak writes it all the same)"
         )
 
@@ -97,7 +101,3 @@ def _remedies(request: Request) -> Iterator[tuple[str, Request]]:
     for factor in THICKER:
         thick = round(factor * request.thickness_mm, 2)
         yield f"--thickness {thick:g}", replace(request, thickness_mm=thick)
-
-
-def _default(name: str) -> object:
-    return next(declared.default for declared in SETTINGS if declared.field == name)

@@ -18,8 +18,8 @@ RING = 5.0  # modules across the light ring of a finder, 7 with its dark ring
 SHADE_MM = 1.2  # depth of a bar's top from which its slot is dark
 STEP_MM = 0.4  # between thicknesses
 THICKEST_MM = 4.0  # holes of 1.6 mm in a thicker plate are hidden at 20°
-# Stress by a fingertip (pad of 8 mm) on the far side of a ring over that of one on its middle. The middle's
-# is the estimate's to 2 % (24 MPa under 5 N, 3-D elements; two bars 1.2 mm high in a plate of 2.4 mm).
+# Stress by a fingertip (8 mm pad) on the far side of a ring over that of one on its middle. The middle's is
+# the estimate's to 2 % (24 MPa under 5 N, 3-D elements; two bars 1.2 mm high in a plate of 2.4 mm).
 WORST_PLACE = 1.3
 ALLOWABLE_MPA = 25.0  # of PLA: half its yield stress, which leaves a factor of 2
 

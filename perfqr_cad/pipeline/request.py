@@ -183,21 +183,23 @@ class Request:
         group="Strength",
         choices=("PLA", "PETG", "ABS", "PA12", "resin", "aluminium", "steel", "stainless"),
     )
-    pressure_mpa: float = setting(
-        5e-6,  # the paper's 5 Pa
-        "uniform pressure on the front",
+    load: str | None = setting(
+        None,
+        "what the part must bear: weight, fingertip, push, bend, twist, peel, pressure, with commas between;"
+        " a name alone picks, NAME=N asks for that many newtons beside the others",
         group="Strength",
-        range=(0.0, 1000.0),
+        empty="all that a hand does to it; bridges for strength only where something is asked for",
+        max_length=200,
     )
-    finger_n: float = setting(
-        0.0, "force of a fingertip at the worst place of the code", group="Strength", range=(0.0, 1e5)
+    pressure_mpa: float = setting(
+        0.0, "uniform pressure that the front must bear", group="Strength", range=(0.0, 1000.0)
     )
-    own_weight: bool = setting(False, "the part lies flat and carries its own weight", group="Strength")
-    support: str = setting(
-        "clamped",
+    support: str | None = setting(
+        None,
         "how the code's square is held",
         group="Strength",
-        choices=("clamped", "simple", "two-sides", "corners"),
+        choices=("free:in the hand", "clamped", "simple", "two-sides", "corners"),
+        empty="in the hand; clamped where the wall goes on around the code",
     )
     yield_mpa: float | None = setting(
         None, "yield stress", group="Strength", range=(1e-3, 1e5), empty="the material's own"

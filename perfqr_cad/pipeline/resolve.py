@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from perfqr_cad.profile.colour import Colour
     from perfqr_cad.scan import Look, Schedule
     from perfqr_cad.scan.camera.look import RGB
-    from perfqr_cad.structure import Case, Load
+    from perfqr_cad.structure import Case
     from perfqr_cad.structure.reinforcement.algorithm1 import Method
 
 # Walls of plates: they hide the least from aside, and printers still bear the overhang (docs/scan.md).
@@ -71,6 +71,7 @@ def resolve(request: Request, *, plate: bool) -> Terms:
         request,
         draft_deg=draft_deg if request.draft_deg is None else request.draft_deg,
         lip_mm=lip_mm if request.lip_mm is None else request.lip_mm,
+        support=request.support or ("free" if plate else "clamped"),
     )
     return resolved(filled, or_straight=request.draft_deg is None)
 
@@ -156,26 +157,26 @@ def _backing(request: Request) -> Backing | None:
     return Backing(request.backing_mm, request.gap_mm, colour)
 
 
-def _loads(request: Request) -> tuple[Load, ...]:
-    """What pushes on the part, all at once."""
-    from perfqr_cad.structure import Finger, Pressure, Weight
-
-    finger = (Finger(request.finger_n),) if request.finger_n else ()
-    weight = (Weight(),) if request.own_weight else ()
-    return (Pressure(request.pressure_mpa), *finger, *weight)
-
-
 def _case(request: Request) -> Case:
-    """What the part is asked to bear, its holes wider at the back by a flare on each side."""
-    from perfqr_cad.structure import Case
+    """What the part is asked to bear in the hand, or as it is mounted. A wall that goes on around the code is
+    printed upright as a rule, a plate flat."""
+    from perfqr_cad.structure import Case, handling_loads
 
-    return Case.of(
-        _loads(request),
+    case = Case.of(
+        (),
         material=request.material,
-        support=request.support,
+        support=request.support or "clamped",
         nozzle_mm=request.nozzle_mm,
         yield_mpa=request.yield_mpa,
     )
+    loads = handling_loads(asked_loads(request), request.pressure_mpa)
+    asked = bool(request.load or request.pressure_mpa)
+    return case.for_hands(loads, upright=request.support != "free", strengthen=asked)
+
+
+def asked_loads(request: Request) -> tuple[str, ...]:
+    """The loads that were asked for by name, as they were written."""
+    return tuple(name.strip() for name in (request.load or "").split(",") if name.strip())
 
 
 def _views(request: Request) -> Schedule:

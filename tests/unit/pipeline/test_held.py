@@ -63,12 +63,17 @@ def test_a_decoder_that_is_not_here_is_named() -> None:
 
 
 def test_a_load_that_was_asked_for_must_be_borne(design: Design) -> None:
-    weak = replace(design.reinforcement, status="weak: no affordable bridge is left")
-    require_borne(Request("a"), weak)  # a default that is not held is told, not refused
-    require_borne(Request("a", finger_n=5.0), design.reinforcement)
-    with pytest.raises(NotHeldError, match=r"weak under finger_n=5: .* MPa of 50 \(--accept-weak"):
-        require_borne(Request("a", finger_n=5.0), weak)
-    require_borne(Request("a", finger_n=5.0, accept_weak=True), weak)
+    kinds = {one.load.name: one for one in design.reinforcement.capacities}
+    weak = replace(kinds["fingertip"], bears_n=3.0, asked_n=5.0)
+    strong = replace(kinds["push"], bears_n=3.0, asked_n=2.0)
+    found = replace(design.reinforcement, capacities=(weak, strong))
+    require_borne(Request("a"), found)  # a default that is not held is told, not refused
+    require_borne(Request("a", load="push"), found)
+    with pytest.raises(
+        NotHeldError, match=r"weak: bears 3 N by a fingertip .*, asked 5 N, .* \(--accept-weak"
+    ):
+        require_borne(Request("a", load="fingertip=5"), found)
+    require_borne(Request("a", load="fingertip=5", accept_weak=True), found)
 
 
 def test_the_remedy_is_the_first_that_works() -> None:

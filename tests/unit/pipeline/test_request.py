@@ -113,7 +113,7 @@ def test_help_lists_every_setting_with_range_and_unit() -> None:
         ({"size_mm": 10**400}, "is not a finite number"),
         ({"size_mm": 10**5000}, "is not a finite number"),
         ({"size_mm": "wide"}, "size_mm='wide' is no number: give 1 to 10000 mm"),
-        ({"own_weight": 3}, "is neither true nor false"),
+        ({"verify_solid": 3}, "is neither true nor false"),
         ({"style": "stars"}, "is not one of square, rounded"),
         ({"text": 3}, "text=3 is no text"),
         ({"text": ""}, "the text is empty"),
