@@ -189,6 +189,12 @@ LONG = "n" * 300
         (("-D", "size=" + "-" * 5000 + "1"), "is no number"),
         (("--caption", "x" * 20_000), "limit 500"),
         (("--caption", "\u200b"), "of blanks alone"),
+        (("--caption", "a\u200bb", "--frame", "8"), "U+200B, zero width space: leave it out"),
+        (("--caption", "lab 日", "--frame", "8"), "has no shape for '日' (U+65E5)"),
+        (("--caption", "lab", "--frame", "8", "--font", "No Such Font"), "is not installed"),
+        (("--caption", "lab", "--frame", "8", "--font", "/dev/zero"), "is not installed"),
+        (("--caption", "lab", "--frame", "8", "--caption-place", "left"), "bottom"),
+        (("--caption", "lab"), "needs a frame"),
         (("-D", f"{LONG}=1"), "does not take"),
         (("-t", f"{LONG}.py"), "cannot read template"),
         (("-t", LONG), "no template"),
@@ -228,6 +234,15 @@ def test_outputs_are_refused_before_the_work(
     words = [word for output in outputs for word in ("-o", f"{tmp_path}/{output}")]
     assert says in refused("make", TEXT, *words)
     assert left_behind(tmp_path) == []
+
+
+def test_a_caption_of_two_lines_is_on_the_part_and_in_its_drawing(tmp_path: Path, run: Run) -> None:
+    words = ("--size", 40, "--frame", 10, "--caption", "Łódź © 5\nشقة $6", "--caption-place", "top")
+    code, out, err = run("make", "HELLO", *words, "-o", tmp_path / "part.svg", "--json")
+    assert code == 0, err
+    assert json.loads(out)["solid"]["valid"]
+    drawing = (tmp_path / "part.svg").read_text()
+    assert 'id="engrave"' in drawing
 
 
 def test_a_folder_that_is_missing_is_made(tmp_path: Path, run: Run) -> None:
