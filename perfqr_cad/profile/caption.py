@@ -75,13 +75,18 @@ class Caption:
 
         Raises `DesignError` where they do not fit, or are too fine for the nozzle.
         """
+        self.require_fit(pattern.spec)
         _require_floor(self, thickness_mm)
-        _require_frame(self, pattern.spec)
-        _require_printable(self, pattern.spec)
         strip = _Strip(pattern.spec, pattern.size_mm, self.place)
         _require_room(self, strip)
         up = strip.middle_mm - self.height_mm * self.extent.middle
         return tuple(moved_region(letter, 1.0, 0.0, up) for letter in self.letters())
+
+    def require_fit(self, spec: PatternSpec) -> None:
+        """What is known before the code is drawn: raises `DesignError` where the lines are too high for the
+        frame, or too fine for the nozzle."""
+        _require_frame(self, spec)
+        _require_printable(self, spec)
 
     def is_printable(self, height_mm: float, nozzle_mm: float) -> bool:
         """Whether, so high, letters keep their strokes and gaps when those under half a line go."""
