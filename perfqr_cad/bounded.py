@@ -10,13 +10,13 @@ import json
 import os
 import re
 import stat
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from perfqr_cad.errors import PerfQRError
 
 MIB = 2**20
-MAX_JSON_BYTES = 16 * MIB  # the certificate of a version-40 part has 2 MB
 MAX_JSON_DEPTH = 64  # a certificate nests 6 deep
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
@@ -64,13 +64,22 @@ def read_text(path: str | Path, most_bytes: int, error: type[PerfQRError], noun:
         ) from failure
 
 
-def read_json(path: str | Path, error: type[PerfQRError], noun: str) -> Any:
-    """The value of a JSON file within `MAX_JSON_BYTES` and `MAX_JSON_DEPTH`; errors as `read_bytes`."""
-    text = read_text(path, MAX_JSON_BYTES, error, noun)
+def read_json(
+    path: str | Path,
+    most_bytes: int,
+    error: type[PerfQRError],
+    noun: str,
+    numbers: Callable[[str], Any] | None = None,
+) -> Any:
+    """The value of a JSON file that nests at most `MAX_JSON_DEPTH` values; errors as `read_bytes`.
+
+    numbers   makes values of numbers as they are written; None: floats and integers
+    """
+    text = read_text(path, most_bytes, error, noun)
     if _deeper_than(MAX_JSON_DEPTH, text):
         raise error(f"{_shown(path)} nests more than {MAX_JSON_DEPTH} values, the limit: name {noun}")
     try:
-        return json.loads(text)
+        return json.loads(text, parse_int=numbers, parse_float=numbers, parse_constant=_no_constant)
     except ValueError as failure:
         raise error(f"{_shown(path)} is no JSON ({failure}): name {noun}") from failure
 
@@ -79,6 +88,10 @@ def _require_file(mode: int, path: str | Path, error: type[PerfQRError], noun: s
     if not stat.S_ISREG(mode):
         kind = next((name for is_one, name in _KINDS if is_one(mode)), "something else")
         raise error(f"{_shown(path)} is {kind}, not a file: name {noun}")
+
+
+def _no_constant(word: str) -> NoReturn:
+    raise ValueError(f"{word} is none")
 
 
 def _shown(path: str | Path) -> str:

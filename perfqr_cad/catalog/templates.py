@@ -28,6 +28,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from perfqr_cad.bounded import read_text
 from perfqr_cad.catalog.customizer import parameters
 from perfqr_cad.catalog.running import TIMEOUT_S, run
 from perfqr_cad.errors import DesignError, TemplateError
@@ -111,7 +112,7 @@ def available() -> tuple[Template, ...]:
 
 def load(path: Path) -> Template:
     """Read a template's parameters from its source without running it."""
-    source = _read(path)
+    source = read_text(path, MOST_BYTES, TemplateError, "a template (.py)")
     try:
         tree = ast.parse(source)
         declared = parameters(source, tree)
@@ -133,15 +134,3 @@ def load(path: Path) -> Template:
 
 def _shipped() -> list[Path]:
     return sorted(SHIPPED.glob("[!_]*.py"))
-
-
-def _read(path: Path) -> str:
-    try:
-        if not path.is_file():
-            raise TemplateError(f"cannot read template {shown(str(path))}: there is no such file")
-        if path.stat().st_size > MOST_BYTES:
-            raise TemplateError(f"{path.name} has over {MOST_BYTES:,} bytes: give a template")
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
-        raise TemplateError(f"cannot read template {shown(str(path))}: {reason}") from error

@@ -23,7 +23,6 @@ FORMATS = ("stl", "obj", "ply", "off", "3mf")
 MAX_BYTES = 256 * MIB
 MAX_TRIANGLES = 4_000_000  # of 50 bytes each in STL
 MAX_COORDINATE = 1e7  # 10 km in mm, 10 m in micrometres
-JOB = f"{__name__}:reader"
 
 
 def read_mesh(path: str | Path, scale: float = 1.0) -> Triangles:
@@ -32,31 +31,44 @@ def read_mesh(path: str | Path, scale: float = 1.0) -> Triangles:
     3MF declares its unit and is converted to mm; the others have none and are taken as mm. Raises
     `KernelError` for a file that is missing, unreadable, of another kind, without triangles or beyond limits.
     """
+    vertices, faces = ask(f"{__name__}:reader", path).arrays
+    return Triangles(vertices * scale, faces)
+
+
+def ask(job: str, path: str | Path, *arguments: Any) -> Message:
+    """What a job makes of a mesh file in a process of its own, called with its kind, name and `arguments`.
+
+    `KernelError` if the file is none, or cannot be read within limits.
+    """
     path = Path(path)
     kind = path.suffix.lower().lstrip(".")
     if kind not in FORMATS:
         raise KernelError(f"{path.name} is no mesh this program reads: give one of {', '.join(FORMATS)}")
     content = read_bytes(path, MAX_BYTES, KernelError, f"a mesh file ({', '.join(FORMATS)})")
-    answer = once(
-        JOB,
-        (kind, path.name),
+    return once(
+        job,
+        (kind, path.name, *arguments),
         Message(None, (np.frombuffer(content, np.uint8),)),
         Refusal(KernelError, f"{path.name} cannot be read as {kind.upper()}", "export the mesh again as STL"),
     )
-    vertices, faces = answer.arrays
-    return Triangles(vertices * scale, faces)
 
 
 def reader(kind: str, name: str) -> Callable[[Message], Message]:
     """The job of the process: a file's bytes are answered by its vertices (k, 3) and faces (m, 3)."""
-    load = _load_3mf if kind == "3mf" else _load_plain
 
     def answer(request: Message) -> Message:
-        vertices, faces = load(request.arrays[0].tobytes(), kind, name)
-        _look_through(vertices, faces, name)
-        return Message(None, (vertices, faces))
+        mesh = triangles_of(request.arrays[0].tobytes(), kind, name)
+        return Message(None, (mesh.vertices, mesh.faces))
 
     return answer
+
+
+def triangles_of(content: bytes, kind: str, name: str) -> Triangles:
+    """What `read_mesh` gives, from a file's bytes, by this process itself."""
+    load = _load_3mf if kind == "3mf" else _load_plain
+    vertices, faces = load(content, kind, name)
+    _look_through(vertices, faces, name)
+    return Triangles(vertices, faces)
 
 
 def _load_plain(content: bytes, kind: str, name: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

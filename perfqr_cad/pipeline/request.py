@@ -194,6 +194,21 @@ class Request:
     pressure_mpa: float = setting(
         0.0, "uniform pressure that the front must bear", group="Strength", range=(0.0, 1000.0)
     )
+    finger_n: float | None = setting(
+        None,
+        "a fingertip's force that the part must bear at any place, as load fingertip=N",
+        group="Strength",
+        range=(0.01, 1e5),
+        empty="not asked for",
+    )
+    own_weight: bool = setting(False, "the part must bear its own weight, as load weight", group="Strength")
+    handling_n: float | None = setting(
+        None,
+        "a fingertip's force for which bars and thickness are changed until the part bears it",
+        group="Strength",
+        range=(0.01, 1e5),
+        empty="not asked for",
+    )
     support: str | None = setting(
         None,
         "how the code's square is held",

@@ -172,13 +172,16 @@ def _case(request: Request) -> Case:
         yield_mpa=request.yield_mpa,
     )
     loads = handling_loads(asked_loads(request), request.pressure_mpa)
-    asked = bool(request.load or request.pressure_mpa)
+    asked = bool(asked_loads(request) or request.pressure_mpa)
     return case.for_hands(loads, upright=request.support != "free", strengthen=asked)
 
 
 def asked_loads(request: Request) -> tuple[str, ...]:
     """The loads that were asked for by name, as they were written."""
-    return tuple(name.strip() for name in (request.load or "").split(",") if name.strip())
+    listed = [name.strip() for name in (request.load or "").split(",") if name.strip()]
+    forces = (request.finger_n, request.handling_n)
+    listed += [f"fingertip={force_n:g}" for force_n in forces if force_n is not None]
+    return (*listed, "weight") if request.own_weight else tuple(listed)
 
 
 def _views(request: Request) -> Schedule:

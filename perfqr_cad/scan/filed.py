@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from perfqr_cad.bounded import read_json
+from perfqr_cad.bounded import MIB, read_json
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.scan.camera.placing import load_mesh
@@ -19,6 +19,7 @@ from perfqr_cad.surface import Placement
 
 MESHES = (".stl", ".3mf", ".ply", ".obj", ".off")
 STEPS = (".step", ".stp")
+MOST_BYTES = 16 * MIB  # of a certificate; that of a version-40 part has 2 MB
 # Of the files beside a design.json, the first of these that exists is filmed.
 PREFERRED = (".stl", ".3mf", ".step", ".stp")
 
@@ -64,7 +65,7 @@ def part(
 
 def _of_design(path: Path) -> tuple[Path, str | None]:
     """The file to film and the payload, from a certificate."""
-    certificate = read_json(path, DesignError, "a design.json")
+    certificate = read_json(path, MOST_BYTES, DesignError, "a design.json")
     try:
         names = [Path(record["path"]) for record in certificate["files"]]
         payload = certificate["payload"]

@@ -267,10 +267,12 @@ def test_the_payload_is_the_text_letter_by_letter(text: str, door: str, tmp_path
 
 def test_every_door_reads_a_setting_alike(tmp_path: Path) -> None:
     sets = tmp_path / "sets.json"
-    sets.write_text(json.dumps({"parameterSets": {"s": {"size": "4e1", "own_weight": "true", "hole": "3"}}}))
-    by_option = asked("A", "--size", "4e1", "--own-weight", "--hole", "3")
+    sets.write_text(
+        json.dumps({"parameterSets": {"s": {"size": "4e1", "verify_solid": "true", "hole": "3"}}})
+    )
+    by_option = asked("A", "--size", "4e1", "--verify-solid", "--hole", "3")
     assert by_option["size"] == 40
-    assert by_option == asked("A", "-D", "size=4e1", "-D", "own_weight=true", "-D", "hole=3")
+    assert by_option == asked("A", "-D", "size=4e1", "-D", "verify_solid=true", "-D", "hole=3")
     assert by_option == asked("A", "-p", str(sets), "-P", "s")
 
 

@@ -36,6 +36,7 @@ def mend(mesh: Triangles, part: int | None = None) -> Triangles:
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     welded, _ = weld(mesh.vertices, mesh.faces, WELD_SHARE * diagonal)
     faces = _without_doubles(welded)
+    _require_triangles(faces)
     _refuse_branches(faces)
     vertices, faces = _filled(welded.vertices, faces, FILL_SHARE * diagonal)
     _refuse_branches(faces)
@@ -53,6 +54,12 @@ def _without_doubles(mesh: Triangles) -> Indices:
     """Triangles with distinct corner sets."""
     _, first = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True)
     return mesh.faces[np.sort(first)]
+
+
+def _require_triangles(faces: Indices) -> None:
+    """Raises `KernelError` where none are left."""
+    if not len(faces):
+        raise KernelError("the mesh encloses no volume: export a body, not flat sheets")
 
 
 def _rims(faces: Indices) -> Indices:
@@ -139,6 +146,7 @@ def _consistent(faces: Indices) -> Indices:
 
 def _bodies(mesh: Triangles) -> list[Triangles]:
     """Closed bodies, greatest first, each with the cavities inside it, without dust."""
+    _require_triangles(mesh.faces)
     edges = np.sort(directed_edges(mesh.faces), axis=1)
     # Every edge has two triangles by now. Surfaces that share a mere vertex stay apart.
     pairs = np.lexsort(edges.T).reshape(-1, 2) // 3

@@ -1,5 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# The modeller's stubs are incomplete.
 """Parts on their way between processes: the modeller's own binary form, names and colours beside it."""
 
 from __future__ import annotations
