@@ -1,3 +1,5 @@
+# pyright: reportAttributeAccessIssue=false
+# HarfBuzz's stubs name nothing of what the module exports.
 """Fonts: found by name or by file, text shaped by HarfBuzz, glyphs as outlines. Lengths in font units."""
 
 from __future__ import annotations
