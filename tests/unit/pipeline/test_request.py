@@ -146,11 +146,11 @@ def test_a_caption_takes_half_of_its_frame() -> None:
 
 def test_a_caption_of_several_lines_takes_what_fits() -> None:
     caption = terms(
-        frame_mm=8, caption="SSID: lab\nPass: 12", caption_place="top", font="STIXGeneral"
+        frame_mm=14, caption="SSID: lab\nPass: 12", caption_place="top", font="STIXGeneral"
     ).caption
     assert caption is not None
     assert (caption.place, caption.font) == ("top", "STIXGeneral")
-    assert caption.height_mm * caption.extent.height == pytest.approx(8 - 0.8)  # a web of two nozzle lines
+    assert caption.height_mm * caption.extent.height == pytest.approx(14 - 0.8)  # a web of two nozzle lines
 
 
 def test_a_caption_without_a_frame_is_refused() -> None:
