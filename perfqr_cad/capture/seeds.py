@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
-from typing import Any
+from functools import partial
 
-import cv2
 import numpy as np
-import zxingcpp
 from numpy.typing import NDArray
 
+from perfqr_cad.capture.engines import Sighting, engines
 from perfqr_cad.capture.grid import Floats
-from perfqr_cad.symbol import size_of
+from perfqr_cad.isolated import IsolationError, Limits, kept
 
-_MODEL_2: Any = zxingcpp.BarcodeFormat.QRCodeModel2  # its stubs want the plural type
+LOOKING = Limits(cpu_s=10.0)  # one engine at one picture of 12 megapixels takes 2 s
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,46 +43,18 @@ class Seed:
         return np.stack([origin, origin + size * right, origin + size * (right + down), origin + size * down])
 
 
-def zxing_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
-    """What zxing-cpp finds in a grey picture, codes that it could not decode included."""
-    found = zxingcpp.read_barcodes(image, formats=_MODEL_2, return_errors=True)
-    for code in sorted(found, key=lambda one: not one.valid):
-        place = code.position
-        points = (place.top_left, place.top_right, place.bottom_right, place.bottom_left)
-        corners = np.array([(point.x, point.y) for point in points], np.float64)
-        extra: Any = code.extra or {}
-        version = str(extra.get("Version", ""))
-        sizes = (
-            (size_of(int(version)),) if version.isdigit() else ()
-        )  # "M3" and "R7x43" are other symbologies
-        yield Seed("zxing-cpp", corners, sizes, bytes(code.bytes) if code.valid else None, True)
-
-
-def wechat_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
-    """What the WeChat decoder finds. Its Python face fails on payloads that are not UTF-8."""
+def _seeds_of(engine: str, image: NDArray[np.uint8]) -> Iterator[Seed]:
+    """What a decoder finds in a grey picture (H, W); nothing if it crashes or does not end."""
     try:
-        texts, places = _wechat().detectAndDecode(image)
-    except UnicodeDecodeError:
+        seen = kept(f"{engines.__module__}:{engines.__name__}", limits=LOOKING).ask({"engine": engine}, image)
+    except IsolationError:
         return
-    for text, corners in zip(texts, places, strict=False):
-        yield Seed("wechat", np.asarray(corners, np.float64).reshape(4, 2), (), text.encode(), False)
+    for sighting in (Sighting(**fields) for fields in seen.value):
+        payload = None if sighting.payload_hex is None else bytes.fromhex(sighting.payload_hex)
+        places = np.array(sighting.places, np.float64)
+        yield Seed(engine, places, tuple(sighting.sizes), payload, sighting.oriented)
 
 
-def opencv_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
-    """What OpenCV's own detector finds; its straightened code tells the size."""
-    try:
-        found: Any = cv2.QRCodeDetector().detectAndDecode(image)
-    except (UnicodeDecodeError, cv2.error):  # on payloads that are not UTF-8, and on degenerate outlines
-        return
-    text, corners, straight = found
-    if corners is None:
-        return
-    size = 0 if straight is None else int(straight.shape[0])
-    sizes = (size,) if size >= 21 and size % 4 == 1 else ()
-    yield Seed("opencv", np.asarray(corners, np.float64).reshape(4, 2), sizes, text.encode() or None, False)
-
-
-@cache
-def _wechat() -> Any:
-    opencv: Any = cv2  # its stubs leave the contributed modules out
-    return opencv.wechat_qrcode_WeChatQRCode()
+zxing_seeds = partial(_seeds_of, "zxing-cpp")  # codes that it could not decode included
+wechat_seeds = partial(_seeds_of, "wechat")
+opencv_seeds = partial(_seeds_of, "opencv")
