@@ -25,7 +25,7 @@ up: tuple[float, float, float] | None = None
 # the panel under the code as an exact B-spline solid, instead of the carved mesh
 exact = False
 
-# [Shared: Look, Walls, Strength, Proof]
+# [Shared: Look, Walls, Strength, Proof, Files]
 
 
 def build(p):

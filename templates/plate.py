@@ -2,7 +2,7 @@
 
 from perfqr_cad import make, settings
 
-# [Shared: Code, Look, Body, Walls, Strength, Proof]
+# [Shared: Code, Look, Body, Walls, Strength, Proof, Files]
 
 
 def build(p):

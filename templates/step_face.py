@@ -21,7 +21,7 @@ up: tuple[float, float, float] | None = None
 # lay the code along the face instead of projecting it
 wrap = False
 
-# [Shared: Look, Walls, Strength, Proof]
+# [Shared: Look, Walls, Strength, Proof, Files]
 
 
 def build(p):

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.pattern.cells.brightness import BLUR_SIGMA, NOISE_SIGMA, margin_left
-from perfqr_cad.pattern.cells.lattice import Lattice, draw
+from perfqr_cad.pattern.cells.lattice import Lattice, rasterised
 from perfqr_cad.symbol import Symbol, encode
 from perfqr_cad.table import Table
 
@@ -95,7 +95,7 @@ def study(seed: int = 1) -> Iterator[Sample]:
 
 def damaged(symbol: Symbol, share: float, width: int, rng: np.random.Generator) -> Lattice:
     """A plain code with bars, solid or void, `share` of them a module, at random between the finders."""
-    lattice = draw(~symbol.matrix.dark, 1, QUIET, 1.0, frame=True)
+    lattice = rasterised(~symbol.matrix.dark, 1, QUIET, 1.0, frame=True)
     u, n = lattice.per_module, lattice.modules
     solid = lattice.solid.copy()
     for _ in range(round(share * n * n)):

@@ -39,7 +39,7 @@ COLUMNS = (
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class CodeCase:
     """A symbol, with the art that shows it."""
 
     name: str
@@ -63,13 +63,13 @@ def run() -> Table:
     )
 
 
-def cases() -> Iterator[Case]:
+def cases() -> Iterator[CodeCase]:
     """Plain codes of several versions, then every artistic code at hand."""
     for version in VERSIONS:
-        yield Case(f"version {version}", plain_code(version), None)
+        yield CodeCase(f"version {version}", plain_code(version), None)
     for path in sorted(ART.glob("*")) if ART.is_dir() else []:
         capture = read(path)
-        yield Case(path.name, capture.recovery.symbol, capture.art)
+        yield CodeCase(path.name, capture.recovery.symbol, capture.art)
 
 
 def plain_code(version: int) -> Symbol:
@@ -79,7 +79,7 @@ def plain_code(version: int) -> Symbol:
     return encode((TEXT + noise)[:room], version=version, level="M")
 
 
-def _row(case: Case, objective: Objective) -> tuple[object, ...]:
+def _row(case: CodeCase, objective: Objective) -> tuple[object, ...]:
     tell(f"{case.name}: {objective}")
     began = process_time()
     pattern = build(case.symbol, PatternSpec(objective=objective), case.art)

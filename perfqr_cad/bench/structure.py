@@ -37,64 +37,80 @@ PAYLOAD = {8: 140, 40: 1900}  # characters of a random text that fill the versio
 SEED = 1
 
 
+Rows = list[tuple[Any, ...]]
+
+
 def run() -> tuple[Table, Table]:
     """Seconds of each piece beside its target, and results beside those of the solid and of CalculiX."""
     pattern = _pattern(8)
-    placement = Plane(THICKNESS_MM)
     best = Cholmod.name if cholmod() else SuperLU.name
-
-    def field(solver: str, refinement: float = 1.0) -> Any:
-        edge_mm = EDGE_MODULES * pattern.module_mm / refinement
-        return analyse(pattern, placement, Case.of(PRESSURE, solver=solver), edge_mm)
-
-    field(best)  # imports
+    _analysis(pattern, best)  # imports
     largest_s, unknowns, peak_gb = _largest(best)  # first: the peak is that of the process so far
-    one_s, answer = _timed(lambda: field(best))
-    fallback_s, fallback = _timed(lambda: field(SuperLU.name))
+    times, results, one_s = _shell(pattern, best)
+    results += _solid(pattern)
+    if calculix.installed():
+        beside = _calculix(pattern, best)
+        times.append(beside[0])
+        results.append(beside[1])
+    times.append((f"version 40, {unknowns} unknowns, {best}", largest_s, largest_s / one_s, 10.0))
+    times.append(("its peak of memory, GB", peak_gb, None, 4.0))
+    notes = (
+        "processor seconds, children included",
+        "CalculiX is compared with assembling, factorising and solving of the shell on its mesh",
+    )
+    columns = ("case", "seconds or ratio", "of one analysis", "target")
+    return (
+        Table("structure: time", columns, tuple(times), notes),
+        Table("structure: result", ("model", "deflection mm", "stress MPa", "unknowns"), tuple(results)),
+    )
+
+
+def _analysis(pattern: Pattern, solver: str) -> Any:
+    edge_mm = EDGE_MODULES * pattern.module_mm
+    return analyse(pattern, Plane(THICKNESS_MM), Case.of(PRESSURE, solver=solver), edge_mm)
+
+
+def _shell(pattern: Pattern, best: str) -> tuple[Rows, Rows, float]:
+    """Rows of time and of results of our shell, alone and in the loop, and the seconds of one analysis."""
+    one_s, answer = _timed(lambda: _analysis(pattern, best))
+    fallback_s, fallback = _timed(lambda: _analysis(pattern, SuperLU.name))
     again_s, bridge_s = _loop(pattern, best)
-    rows: list[tuple[Any, ...]] = [
+    weak = Case.of(PRESSURE, yield_mpa=WEAK_SHARE * answer.max_stress_mpa, solver=best)
+    whole_s, whole = _timed(lambda: reinforce(pattern, Plane(THICKNESS_MM), weak))
+    times: Rows = [
         (f"version 8, {answer.unknowns} unknowns, {best}", one_s, 1.0, 1.5),
         (f"the same, {SuperLU.name}", fallback_s, fallback_s / one_s, 4.5),
         ("loop model: mesh, assemble, factorise", again_s, again_s / one_s, None),
         ("one bridge in the loop", bridge_s, bridge_s / one_s, 0.03),
         ("loop model again, over one bridge", again_s / bridge_s, None, None),
         ("conforming mesh and factors again, over one bridge", one_s / bridge_s, None, 40.0),
+        (f"Algorithm 1: {whole.iterations} bridges, all meshes", whole_s, whole_s / one_s, 6.0),
     ]
-    laid_s, laid = _timed(
-        lambda: reinforce(
-            pattern,
-            placement,
-            Case.of(PRESSURE, yield_mpa=WEAK_SHARE * answer.max_stress_mpa, solver=best),
-        )
-    )
-    rows.append((f"Algorithm 1: {laid.iterations} bridges, all meshes", laid_s, laid_s / one_s, 6.0))
-    results: list[tuple[Any, ...]] = [
+    results: Rows = [
         ("shell", answer.max_deflection_mm, answer.max_stress_mpa, answer.unknowns),
         (f"shell, {SuperLU.name}", fallback.max_deflection_mm, fallback.max_stress_mpa, fallback.unknowns),
     ]
-    solid = verify_solid(pattern, placement, Case.of(PRESSURE))
-    results.append(("shell, solid check's mesh", solid.shell_deflection_mm, solid.shell_stress_mpa, None))
-    results.append(
-        ("18-node wedge, same mesh", solid.solid_deflection_mm, solid.solid_stress_mpa, solid.unknowns)
-    )
-    if calculix.installed():
-        model = _model(pattern)
-        shell_s, _ = _timed(lambda: model.factorise(best).solve(model.pressure_forces(1.0)))
-        ccx_s, theirs = _timed(lambda: calculix.solve(model, PRESSURE.pressure_mpa))
-        rows.append(("CalculiX C3D15 on the same mesh", ccx_s, ccx_s / shell_s, 6.0))
-        deepest = float(np.abs(theirs.displacement[:, 2]).max())
-        results.append(("CalculiX C3D15, same mesh", deepest, None, theirs.displacement.size))
-    rows.append((f"version 40, {unknowns} unknowns, {best}", largest_s, largest_s / one_s, 10.0))
-    rows.append(("its peak of memory, GB", peak_gb, None, 4.0))
-    notes = (
-        "processor seconds, children included",
-        "CalculiX is compared with assembling, factorising and solving of the shell on its mesh",
-    )
+    return times, results, one_s
+
+
+def _solid(pattern: Pattern) -> Rows:
+    """Results of the shell and of the solid's wedges on one mesh."""
+    solid = verify_solid(pattern, Plane(THICKNESS_MM), Case.of(PRESSURE))
+    return [
+        ("shell, solid check's mesh", solid.shell_deflection_mm, solid.shell_stress_mpa, None),
+        ("18-node wedge, same mesh", solid.solid_deflection_mm, solid.solid_stress_mpa, solid.unknowns),
+    ]
+
+
+def _calculix(pattern: Pattern, best: str) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """A row of time and one of results of CalculiX on our mesh."""
+    model = _model(pattern)
+    shell_s, _ = _timed(lambda: model.factorise(best).solve(model.pressure_forces(1.0)))
+    ccx_s, theirs = _timed(lambda: calculix.solve(model, PRESSURE.pressure_mpa))
+    deepest = float(np.abs(theirs.displacement[:, 2]).max())
     return (
-        Table(
-            "structure: time", ("case", "seconds or ratio", "of one analysis", "target"), tuple(rows), notes
-        ),
-        Table("structure: result", ("model", "deflection mm", "stress MPa", "unknowns"), tuple(results)),
+        ("CalculiX C3D15 on the same mesh", ccx_s, ccx_s / shell_s, 6.0),
+        ("CalculiX C3D15, same mesh", deepest, None, theirs.displacement.size),
     )
 
 

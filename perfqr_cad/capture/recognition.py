@@ -72,6 +72,13 @@ def read(
               paper's Gaussian points in the picture binarised by one threshold (§4.2)
 
     CaptureError says whether no code was found, or one that is damaged beyond its capacity.
+
+    >>> import numpy as np
+    >>> from perfqr_cad.symbol import encode
+    >>> light = ~np.pad(encode("HELLO").matrix.dark, 4)
+    >>> capture = read(np.kron(light, np.ones((6, 6), bool)))
+    >>> capture.recovery.payload.text, capture.art.kind
+    ('HELLO', 'plain')
     """
     picture = _without_idle_colour(load_image(source))
     damage: tuple[float, str] = (0.0, "")

@@ -74,8 +74,10 @@ def _resized(grey: Picture, factor: float) -> tuple[Picture, Floats]:
 
 
 def projections(picture: Picture, grid: Grid, inverted: bool) -> Iterator[tuple[str, Picture]]:
-    """Pictures to sample a found code in, dark on light: luminance, the colour that parts its function
-    patterns best (Fisher's linear discriminant)."""
+    """Pictures to sample a found code in, dark on light: its luminance, then its most telling colour.
+
+    That is the mixture of channels that parts its function patterns best (Fisher's linear discriminant).
+    """
     sign: Callable[[Picture], Picture] = (lambda grey: 255 - grey) if inverted else (lambda grey: grey)
     yield "luminance", sign(luminance(picture))
     if picture.ndim == 3:

@@ -195,7 +195,11 @@ def _summit(scores: Floats, best: int) -> Floats:
 
 
 def _spline(places: Floats, shifts: Floats, at: Floats, scale: float = 10.0) -> Floats:
-    """(k, 2) thin plate smoothing spline through (m, 2) shifts at (m, 2) places; 0 without any."""
+    """(k, 2) thin plate smoothing spline through (m, 2) shifts at (m, 2) places; 0 with fewer than three.
+
+    Not scipy's RBFInterpolator: it refuses places on one line, such as pieces of one timing line, which the
+    small ridge on the linear part bears.
+    """
     if len(places) < 3:
         return np.zeros_like(at)
     kernel = _kernel(places, places, scale) + STIFFNESS * np.eye(len(places))

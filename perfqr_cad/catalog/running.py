@@ -31,6 +31,8 @@ def run(path: Path, values: Mapping[str, Value], timeout_s: float) -> Design:
     """The design that the template makes of the values. Raises `TemplateError` for all else that it does."""
     from perfqr_cad.pipeline.design import Design
 
+    if not timeout_s > 0:
+        raise TemplateError(f"a time limit of {timeout_s:g} s lets no template run: give CPU seconds above 0")
     try:
         with _limited(timeout_s):
             build = runpy.run_path(str(path), run_name=f"perfqr_template_{path.stem}").get("build")
@@ -71,14 +73,14 @@ def _limited(timeout_s: float) -> Generator[None]:
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
         return
-    from perfqr_cad.pipeline import design
+    from perfqr_cad.pipeline import chain
 
     spent_s, last_s = 0.0, time.process_time()
 
     def look(_: int, frame: FrameType | None) -> None:
         nonlocal spent_s, last_s
         now_s = time.process_time()
-        spent_s, last_s = spent_s + (0.0 if _within(frame, design.__file__) else now_s - last_s), now_s
+        spent_s, last_s = spent_s + (0.0 if _within(frame, chain.__file__) else now_s - last_s), now_s
         if spent_s > timeout_s:
             raise _TooLong
 

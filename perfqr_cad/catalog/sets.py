@@ -5,11 +5,11 @@ What is given stays as it was written until the parameter reads it by its kind: 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
+from perfqr_cad.bounded import read_json
 from perfqr_cad.errors import TemplateError
 from perfqr_cad.pipeline.kinds import shown
 
@@ -50,28 +50,10 @@ def read_parameter_set(path: Path, name: str) -> dict[str, Any]:
 
 
 def _sets(path: Path) -> dict[str, Any]:
-    try:
-        if not path.is_file():
-            raise TemplateError(f"cannot read parameter sets {shown(str(path))}: there is no such file")
-        if path.stat().st_size > MOST_BYTES:
-            raise TemplateError(f"{path.name} has over {MOST_BYTES:,} bytes: give a file of parameter sets")
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise TemplateError(f"cannot read parameter sets {shown(str(path))}: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise _no_sets(path) from error
-    try:
-        sets = json.loads(text, parse_int=str, parse_float=str, parse_constant=_no_number)["parameterSets"]
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise _no_sets(path) from error
+    found = read_json(path, MOST_BYTES, TemplateError, "a file of parameter sets", numbers=str)
+    sets = found.get("parameterSets") if isinstance(found, dict) else None
     if not isinstance(sets, dict):
-        raise _no_sets(path)
+        raise TemplateError(
+            f"{path.name} is no OpenSCAD parameter-set file: it needs a 'parameterSets' object"
+        )
     return sets
-
-
-def _no_sets(path: Path) -> TemplateError:
-    return TemplateError(f"{path.name} is no OpenSCAD parameter-set file: it needs a 'parameterSets' object")
-
-
-def _no_number(word: str) -> NoReturn:
-    raise ValueError(f"{word} is no JSON")

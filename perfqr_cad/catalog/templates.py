@@ -28,6 +28,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from perfqr_cad.bounded import read_text
 from perfqr_cad.catalog.customizer import parameters
 from perfqr_cad.catalog.running import TIMEOUT_S, run
 from perfqr_cad.errors import DesignError, TemplateError
@@ -38,8 +39,10 @@ if TYPE_CHECKING:
     from perfqr_cad.pipeline.design import Design
 
 _HERE = Path(__file__).resolve().parents[1]
-# In a checkout the templates are beside the package, in an installed wheel inside it.
-TEMPLATE_FOLDERS = (_HERE.parent / "templates", _HERE / "templates")
+# An installed wheel has the templates inside the package, a checkout beside it.
+SHIPPED = next(
+    (f for f in (_HERE / "templates", _HERE.parent / "templates") if f.is_dir()), _HERE / "templates"
+)
 MOST_BYTES = 1_000_000  # of a template's source
 
 
@@ -109,7 +112,7 @@ def available() -> tuple[Template, ...]:
 
 def load(path: Path) -> Template:
     """Read a template's parameters from its source without running it."""
-    source = _read(path)
+    source = read_text(path, MOST_BYTES, TemplateError, "a template (.py)")
     try:
         tree = ast.parse(source)
         declared = parameters(source, tree)
@@ -130,17 +133,4 @@ def load(path: Path) -> Template:
 
 
 def _shipped() -> list[Path]:
-    paths = {p.stem: p for folder in reversed(TEMPLATE_FOLDERS) for p in folder.glob("[!_]*.py")}
-    return [paths[stem] for stem in sorted(paths)]
-
-
-def _read(path: Path) -> str:
-    try:
-        if not path.is_file():
-            raise TemplateError(f"cannot read template {shown(str(path))}: there is no such file")
-        if path.stat().st_size > MOST_BYTES:
-            raise TemplateError(f"{path.name} has over {MOST_BYTES:,} bytes: give a template")
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
-        raise TemplateError(f"cannot read template {shown(str(path))}: {reason}") from error
+    return sorted(SHIPPED.glob("[!_]*.py"))

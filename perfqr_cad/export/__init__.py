@@ -1,9 +1,10 @@
 """Files of a finished part: one format, one module, each with `write(design, path)`.
 
-    write(design, "part.step")     one file, the suffix is the format
-    write_all(design, "out/")      everything that a maker, an engineer or a reader of the report needs
+    write(design, "part.step")           one file, the suffix is the format
+    write_outputs(design, ["out/"])      a folder with everything that a maker or an engineer needs
 
-Nothing is ever half-written: files are made in a folder beside their place and renamed into it.
+Nothing is ever half-written: files are made in a folder beside their place and renamed into it. An exporter
+reads a `DesignView` and computes nothing that a certificate would state.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from typing import Any
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.omissions import leaves_out, notes
+from perfqr_cad.export.options import DEFAULT, Options
 from perfqr_cad.export.staging import check_writable, staged
 from perfqr_cad.progress import tell
 
@@ -54,12 +57,24 @@ FILES: tuple[str, ...] = (
 
 @dataclass(frozen=True)
 class FileRecord:
-    """A file that was written: its path as asked for, format, size and SHA-256 of its bytes."""
+    """A file that was written: its path as asked for, format, size and SHA-256 of its bytes.
+
+    leaves_out  bodies of the design that the file does not hold
+    notes       what it shows otherwise than the part is
+    """
 
     path: str
     format: str
     bytes: int
     sha256: str
+    leaves_out: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def remarks(self) -> str:
+        """Both on one line; empty for a file that holds all as it is."""
+        left = f"leaves out {' and '.join(self.leaves_out)}" if self.leaves_out else ""
+        return "; ".join(filter(None, (left, *self.notes)))
 
     def as_dict(self) -> dict[str, Any]:
         """The record as the certificate lists it."""
@@ -69,40 +84,35 @@ class FileRecord:
 def check(outputs: Sequence[str | Path]) -> None:
     """Refuse, before any long computation, what `write_outputs` could not write.
 
-    Raises `DesignError` for an unknown suffix, a missing folder of a single file, and a folder that cannot
-    be written to.
+    Raises `DesignError` for an unknown suffix, a name that is to be a file and a folder, and a folder or a
+    name that cannot be written to.
     """
-    folders = {Path(output) for output in outputs if _is_folder(output)}
-    for target in _targets(outputs):
+    targets = _targets(outputs)
+    for target in targets:
         module_of(target)
-        check_writable(target.parent, create=target.parent in folders)
+        if taken := next((folder for folder in target.parents if folder in targets), None):
+            raise DesignError(f"{taken} cannot be a file and a folder: name one of them otherwise")
+        check_writable(target)
 
 
-def write(design: DesignView, path: str | Path) -> FileRecord:
-    """Write one file; its suffix is the format. The folder must exist.
+def write(design: DesignView, path: str | Path, options: Options = DEFAULT) -> FileRecord:
+    """Write one file; its suffix is the format. Its folder is made if need be.
 
     Raises `DesignError` for an unknown suffix and for a folder that cannot be written to.
     """
     module_of(path)
-    return _write(design, [Path(path)], made=set())[0]
+    return _write(design, [Path(path)], options)[0]
 
 
-def write_all(design: DesignView, folder: str | Path) -> tuple[FileRecord, ...]:
-    """Write `FILES`, the certificate last, with the sizes and hashes of the others.
-
-    The folder is made if need be. Raises `DesignError` for one that cannot be written to.
-    """
-    return write_outputs(design, [f"{folder}/"])
-
-
-def write_outputs(design: DesignView, outputs: Sequence[str | Path]) -> tuple[FileRecord, ...]:
+def write_outputs(
+    design: DesignView, outputs: Sequence[str | Path], options: Options = DEFAULT
+) -> tuple[FileRecord, ...]:
     """Write several files and folders; each certificate among them lists all files that are none.
 
-    An output that ends in `/`, has no suffix or is a folder gets `FILES`. All appear or, after an error,
-    none. Raises `DesignError` as `check` does.
+    An output that ends in `/`, has no suffix or is a folder gets `FILES`; folders are made if need be. All
+    appear or, after an error, none. Raises `DesignError` as `check` does.
     """
-    made = {Path(output) for output in outputs if _is_folder(output)}
-    return _write(design, _targets(outputs), made)
+    return _write(design, _targets(outputs), options)
 
 
 def module_of(path: str | Path) -> str:
@@ -116,19 +126,20 @@ def module_of(path: str | Path) -> str:
     return FORMATS[suffix]
 
 
-def _write(design: DesignView, targets: Sequence[Path], made: set[Path]) -> tuple[FileRecord, ...]:
+def _write(design: DesignView, targets: Sequence[Path], options: Options) -> tuple[FileRecord, ...]:
     modules = {target: module_of(target) for target in targets}
     parts = [target for target in modules if modules[target] != "certificate"]
     certificates = [target for target in modules if modules[target] == "certificate"]
     with ExitStack() as stack:
         folders = dict.fromkeys(target.parent for target in modules)
-        stages = {folder: stack.enter_context(staged(folder, create=folder in made)) for folder in folders}
+        stages = {folder: stack.enter_context(staged(folder)) for folder in folders}
         records: list[FileRecord] = []
         for target in parts:
             tell(f"writing {target.name}")
-            staging = stages[target.parent] / target.name
-            import_module(f"{__name__}.{modules[target]}").write(design, staging)
-            records.append(_record(target, staging))
+            module, staging = modules[target], stages[target.parent] / target.name
+            import_module(f"{__name__}.{module}").write(design, staging, **options.of(module))
+            remarks = {"leaves_out": leaves_out(design, module), "notes": notes(design, module)}
+            records.append(replace(_record(target, staging), **remarks))
         for target in certificates:
             staging = stages[target.parent] / target.name
             files = [_seen_from(target.parent, record).as_dict() for record in records]
@@ -144,7 +155,7 @@ def _targets(outputs: Sequence[str | Path]) -> list[Path]:
 
 
 def _is_folder(output: str | Path) -> bool:
-    return str(output).endswith(("/", os.sep)) or not Path(output).suffix or Path(output).is_dir()
+    return str(output).endswith(("/", os.sep)) or not Path(output).suffix or os.path.isdir(output)
 
 
 def _record(target: Path, written: Path) -> FileRecord:

@@ -34,3 +34,8 @@ class DesignView(Protocol):
     def scan(self) -> ScanReport | None: ...
 
     def certificate(self) -> dict[str, Any]: ...
+
+
+def face(design: DesignView) -> Pattern:
+    """The pattern as it lies on the upper face: mirrored where the part is read from below."""
+    return design.pattern.mirrored() if design.placement.is_turned else design.pattern

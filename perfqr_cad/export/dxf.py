@@ -1,16 +1,21 @@
-"""DXF R2000 of the outline in millimetres: lines and arcs as polylines with bulges, circles, splines."""
+"""DXF in millimetres for cutters: every loop one closed entity of lines and arcs, or a circle.
+
+Béziers are drawn as arcs within `ARC_TOL_MM`: of the programs that were tried FreeCAD gives closed splines
+another area and OpenSCAD leaves them out, each without a word (docs/files.md).
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterable
 from contextlib import contextmanager
-from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
-from perfqr_cad.export.design_view import DesignView
-from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop
+from perfqr_cad.export.cutting import cut
+from perfqr_cad.export.design_view import DesignView, face
+from perfqr_cad.geometry import Arc, Circle, Loop
+from perfqr_cad.geometry.biarc import with_arcs
 from perfqr_cad.geometry.outline import Segment
 from perfqr_cad.pattern import Bridge
 
@@ -18,34 +23,51 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.layouts.layout import Modelspace
 
-OUTLINE, HOLES, BRIDGES = "OUTLINE", "HOLES", "BRIDGES"
-# AutoCAD colour indices: white/black, red, green. The bridges are for the eye: their layer does not plot.
-LAYERS = {OUTLINE: 7, HOLES: 1, BRIDGES: 3}
+DxfVersion = Literal["r2000", "r12"]
+RELEASES: dict[DxfVersion, str] = {"r2000": "AC1015", "r12": "AC1009"}  # $ACADVER
+
+OUTLINE, HOLES, ENGRAVE, BRIDGES = "OUTLINE", "HOLES", "ENGRAVE", "BRIDGES"
+# AutoCAD colour indices: white/black, red, blue, green.
+COLOURS = {OUTLINE: 7, HOLES: 1, ENGRAVE: 5, BRIDGES: 3}
 MILLIMETRES = 4  # $INSUNITS
 METRIC = 1  # $MEASUREMENT
+MARGIN = 1.1  # height of the first view over that of the part
+ARC_TOL_MM = 0.002  # a fiftieth of a narrow laser's kerf
+# Greatest rise of an arc over its chord: readers that drop bulges, as OpenSCAD does, are no farther off.
+RISE_MM = 0.05
 
 
-def write(design: DesignView, path: Path) -> None:
-    """Write the reading face: what to cut on `OUTLINE` and `HOLES`, where material was added on `BRIDGES`."""
+def write(design: DesignView, path: Path, *, version: DxfVersion = "r2000", bridges: bool = False) -> None:
+    """Write what to engrave, the holes and, last, the outline, each on a layer of its own.
+
+    `bridges` adds where material was laid, for the eye: lines on a layer that is frozen and not plotted.
+    R12 has no unit; its numbers are millimetres all the same.
+    """
+    work = cut(design)
     with _without_clock():
-        document = _document()
-        space = document.modelspace()
-        region = design.pattern.region
-        for loop, layer in [(region.outer, OUTLINE), *((hole, HOLES) for hole in region.holes)]:
-            _add_loop(space, loop, {"layer": layer})
-        for bridge in design.pattern.bridges:
-            space.add_lwpolyline(_corners(bridge), format="xy", close=True, dxfattribs={"layer": BRIDGES})
+        document = _document(version, work.outline)
+        for name, loops in ((ENGRAVE, work.engrave), (HOLES, work.holes), (OUTLINE, (work.outline,))):
+            if loops:
+                document.layers.add(name, color=COLOURS[name])
+            for loop in loops:
+                _add_loop(document.modelspace(), version, loop, {"layer": name})
+        if bridges:
+            _add_bridges(document, version, face(design).bridges)
         document.saveas(path)
 
 
-def _document() -> Drawing:
-    from ezdxf.filemanagement import new
+def _document(version: DxfVersion, outline: Loop) -> Drawing:
+    """An empty drawing that opens with the outline in view."""
+    from ezdxf.document import Drawing
 
-    document = new("R2000", units=MILLIMETRES)
+    document = Drawing.new(RELEASES[version])  # ezdxf.new() logs a warning that R12 has no unit
+    if version != "r12":
+        document.units = MILLIMETRES
     document.header["$MEASUREMENT"] = METRIC
-    for name, colour in LAYERS.items():
-        document.layers.add(name, color=colour)
-    document.layers.get(BRIDGES).dxf.plot = 0
+    corners = outline.flatten()
+    (left, low), (right, high) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    document.modelspace().reset_extents((left, low, 0.0), (right, high, 0.0))
+    document.set_modelspace_vport(MARGIN * (high - low), ((left + right) / 2, (low + high) / 2))
     return document
 
 
@@ -62,50 +84,33 @@ def _without_clock() -> Generator[None]:
         options.write_fixed_meta_data_for_testing = before
 
 
-def _add_loop(space: Modelspace, loop: Loop, attributes: dict[str, Any]) -> None:
+def _add_loop(space: Modelspace, version: DxfVersion, loop: Loop, attributes: dict[str, Any]) -> None:
+    """One closed entity."""
     first = loop.segments[0]
     if isinstance(first, Circle):
         space.add_circle(first.centre, first.radius, dxfattribs=attributes)
         return
-    runs = list(_runs(loop.segments))
-    for curved, run in runs:
-        closed = len(runs) == 1
-        if curved:
-            _add_spline(space, run, closed, attributes)
-        else:
-            _add_polyline(space, run, closed, attributes)
+    points = [point for segment in with_arcs(loop, ARC_TOL_MM).segments for point in _vertices(segment)]
+    add = space.add_polyline2d if version == "r12" else space.add_lwpolyline
+    add(points, format="xyb", close=True, dxfattribs=attributes)
 
 
-def _runs(segments: Sequence[Segment]) -> Iterator[tuple[bool, list[Any]]]:
-    """Maximal chains of Béziers (True) and of lines and arcs (False)."""
-    for curved, run in groupby(segments, key=lambda s: isinstance(s, Bezier)):
-        yield curved, list(run)
+def _vertices(segment: Segment) -> list[tuple[float, float, float]]:
+    """x, y and bulge, the tangent of a quarter of the angle swept, along a line or an arc without its end."""
+    if not isinstance(segment, Arc):
+        return [(*segment.start, 0.0)]
+    pieces = segment.flatten(RISE_MM)
+    bulge = math.tan(segment.sweep_rad / len(pieces) / 4)
+    return [(x, y, bulge) for x, y in pieces]
 
 
-def _add_polyline(space: Modelspace, run: list[Line | Arc], closed: bool, attributes: dict[str, Any]) -> None:
-    points = [(*segment.start, _bulge(segment)) for segment in run]
-    if not closed:
-        points.append((*run[-1].end, 0.0))
-    space.add_lwpolyline(points, format="xyb", close=closed, dxfattribs=attributes)
-
-
-def _bulge(segment: Line | Arc) -> float:
-    """Tangent of a quarter of the angle swept; 0 for a line."""
-    return math.tan(segment.sweep_rad / 4) if isinstance(segment, Arc) else 0.0
-
-
-def _add_spline(space: Modelspace, run: list[Bezier], closed: bool, attributes: dict[str, Any]) -> None:
-    """One cubic B-spline through the chain: a knot of multiplicity 3 between two Béziers keeps both exact."""
-    controls = [run[0].start, *(p for b in run for p in (b.c1, b.c2, b.end))]
-    inner = [float(k) for k in range(1, len(run)) for _ in range(3)]
-    spline = space.add_spline(degree=3, dxfattribs=attributes)
-    spline.control_points = [(x, y, 0.0) for x, y in controls]
-    spline.knots = [0.0] * 4 + inner + [float(len(run))] * 4
-    spline.dxf.flags = 8 + (1 if closed else 0)  # planar, closed
-
-
-def _corners(bridge: Bridge) -> list[tuple[float, float]]:
-    (x1, y1), (x2, y2) = bridge.start, bridge.end
-    length = math.dist(bridge.start, bridge.end)
-    nx, ny = (y1 - y2) / length * bridge.width_mm / 2, (x2 - x1) / length * bridge.width_mm / 2
-    return [(x1 + nx, y1 + ny), (x2 + nx, y2 + ny), (x2 - nx, y2 - ny), (x1 - nx, y1 - ny)]
+def _add_bridges(document: Drawing, version: DxfVersion, bridges: Iterable[Bridge]) -> None:
+    """Centre lines as wide as the bars, which no reader can take for an outline, on a frozen layer."""
+    layer = document.layers.add(BRIDGES, color=COLOURS[BRIDGES])
+    layer.freeze()
+    layer.dxf.plot = 0
+    space = document.modelspace()
+    add = space.add_polyline2d if version == "r12" else space.add_lwpolyline
+    for bridge in bridges:
+        ends = [(*end, bridge.width_mm, bridge.width_mm) for end in (bridge.start, bridge.end)]
+        add(ends, format="xyse", dxfattribs={"layer": BRIDGES})

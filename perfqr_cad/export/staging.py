@@ -12,21 +12,22 @@ from pathlib import Path
 from perfqr_cad import scratch
 from perfqr_cad.errors import DesignError
 
+SHOWN = 200  # letters of a path in a message
+
 
 @contextmanager
-def staged(folder: Path, *, create: bool = False) -> Generator[Path]:
+def staged(folder: Path) -> Generator[Path]:
     """A scratch folder inside `folder`; on success its files are moved up, on any error nothing remains.
 
-    Being on the same file system makes each move one atomic rename. With `create` a missing folder is
-    made, and removed again after an error. Raises `DesignError` where the folder cannot be written to.
+    Being on the same file system makes each move one atomic rename. A missing folder is made, and removed
+    again after an error. Raises `DesignError` where the folder cannot be written to.
     """
     made: list[Path] = []
     try:
-        if create:
-            made = [path for path in (folder, *folder.parents) if not path.exists()]
-            for path in reversed(made):
-                scratch.note(path)
-            folder.mkdir(parents=True, exist_ok=True)
+        made = [path for path in (folder, *folder.parents) if not path.exists()]
+        for path in reversed(made):
+            scratch.note(path)
+        folder.mkdir(parents=True, exist_ok=True)
         stage = _scratch_in(folder)
         try:
             yield stage
@@ -42,13 +43,19 @@ def staged(folder: Path, *, create: bool = False) -> Generator[Path]:
         raise
 
 
-def check_writable(folder: Path, *, create: bool = False) -> None:
-    """Raise the `DesignError` that `staged` would, and leave nothing behind."""
-    there = next(path for path in (folder, *folder.parents) if path.exists()) if create else folder
+def check_writable(target: Path) -> None:
+    """Raise the `DesignError` that writing this file would, and leave nothing behind."""
+    there = next(path for path in target.parents if os.path.exists(path))
     try:
-        _scratch_in(there).rmdir()
+        trial = _scratch_in(there)
+        try:
+            wanted = trial / target.relative_to(there)
+            wanted.parent.mkdir(parents=True, exist_ok=True)
+            wanted.touch()  # a name may be too long, or hold what this file system does not take
+        finally:
+            shutil.rmtree(trial, ignore_errors=True)
     except OSError as error:
-        raise _refusal(folder, error) from error
+        raise _refusal(target, error) from error
 
 
 def _scratch_in(folder: Path) -> Path:
@@ -81,6 +88,7 @@ def _publish(stage: Path, folder: Path) -> None:
             raise
 
 
-def _refusal(folder: Path, error: OSError) -> DesignError:
+def _refusal(path: Path, error: OSError) -> DesignError:
     reason = (error.strerror or str(error)).lower()
-    return DesignError(f"{folder}: cannot write there ({reason}); name a folder that can be written to")
+    named = str(path) if len(str(path)) <= SHOWN else f"{str(path)[:SHOWN]}…"
+    return DesignError(f"{named}: cannot write there ({reason}); name a place that can be written to")

@@ -1,39 +1,77 @@
-"""SVG of the outline: user units are millimetres, arcs stay arcs, holes by the even-odd rule."""
+"""SVG of the outline: user units are millimetres, arcs and Béziers stay what they are."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Literal
 from xml.sax.saxutils import escape
 
-from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.cutting import cut, engraving
+from perfqr_cad.export.design_view import DesignView, face
 from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop
-from perfqr_cad.pattern import Bridge, Pattern
+from perfqr_cad.pattern import Bridge
+
+SvgVariant = Literal["filled", "cut"]
 
 DIGITS = 6  # after the point: a nanometre
-MATERIAL = "#e9e4d8"
+MATERIAL, LETTERS = "#e9e4d8", "#8d8674"
 STAGE_COLOURS = {"function": "#3b6fb6", "connectivity": "#d1342f", "structural": "#2c9a4b"}
+# What drivers of laser cutters take for a line to follow, and colours that tell them what to do there.
+HAIRLINE_MM = 0.01
+CUT_COLOUR, ENGRAVE_COLOUR = "#ff0000", "#0000ff"
 
 
-def write(design: DesignView, path: Path) -> None:
-    """Write the reading face of the pattern as one filled path, ready for a cutter."""
-    path.write_text(drawing(design.pattern, title=design.solid.name), "utf-8")
+def write(design: DesignView, path: Path, *, variant: SvgVariant = "filled") -> None:
+    """Write the reading face: as a filled shape, or as hairlines that a cutter follows."""
+    path.write_text(hairlines(design) if variant == "cut" else drawing(design), "utf-8")
 
 
-def drawing(pattern: Pattern, *, title: str, bridges: bool = False) -> str:
-    """The pattern as an SVG document as large as the part; `bridges` lays coloured bars over it by stage."""
-    xs, ys = zip(*(p for loop in (pattern.region.outer,) for p in loop.flatten()), strict=True)
-    left, top, width, height = min(xs), -max(ys), max(xs) - min(xs), max(ys) - min(ys)
-    overlay = "".join(_bar(bridge) for bridge in pattern.bridges) if bridges else ""
+def drawing(design: DesignView, *, bridges: bool = False) -> str:
+    """The material as one filled path, letters on it; `bridges` lays coloured bars over it by stage."""
+    letters = "".join(_path(letter.loops) for letter in engraving(design))
+    bars = "".join(_bar(bridge) for bridge in face(design).bridges) if bridges else ""
+    return _page(
+        design,
+        f'<path class="part" fill="{MATERIAL}" fill-rule="evenodd" '
+        f'd="{path_data(face(design).region.loops)}"/>\n'
+        + _group("engrave", f'fill="{LETTERS}" fill-rule="evenodd"', letters)
+        + bars,
+    )
+
+
+def hairlines(design: DesignView) -> str:
+    """A path for every loop, what is inside first: letters to engrave, holes, and last the outline."""
+    work = cut(design)
+    letters, through = ("".join(_path([loop]) for loop in loops) for loops in (work.engrave, work.through))
+    line = f'fill="none" stroke-width="{HAIRLINE_MM:g}"'
+    return _page(
+        design,
+        _group("engrave", f'{line} stroke="{ENGRAVE_COLOUR}"', letters)
+        + _group("cut", f'{line} stroke="{CUT_COLOUR}"', through),
+    )
+
+
+def _page(design: DesignView, content: str) -> str:
+    """A document as large as the part."""
+    corners = design.pattern.region.outer.flatten()
+    (left, low), (right, high) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    width, height = _n(right - left), _n(high - low)
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_n(width)}mm" height="{_n(height)}mm" '
-        f'viewBox="{_n(left)} {_n(top)} {_n(width)} {_n(height)}">\n'
-        f"<title>{escape(title)}</title>\n"
-        f'<path class="part" fill="{MATERIAL}" fill-rule="evenodd" d="{path_data(pattern.region.loops)}"/>\n'
-        f"{overlay}</svg>\n"
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" '
+        f'viewBox="{_n(left)} {_n(-high)} {width} {height}">\n'
+        f"<title>{escape(design.solid.name)}</title>\n{content}</svg>\n"
     )
+
+
+def _group(name: str, attributes: str, content: str) -> str:
+    return f'<g id="{name}" {attributes}>\n{content}</g>\n' if content else ""
+
+
+def _path(loops: Iterable[Loop]) -> str:
+    return f'<path d="{path_data(loops)}"/>\n'
 
 
 def path_data(loops: Iterable[Loop]) -> str:

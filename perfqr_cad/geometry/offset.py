@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Loop, Segment
 from perfqr_cad.geometry.rings import following, owners, preceding, starts_of
@@ -130,7 +129,7 @@ class _Chain:
         return one, two
 
     @cached_property
-    def fillet(self) -> NDArray[np.bool_]:
+    def fillet(self) -> Mask:
         """(k,) arcs tangent to a line on either side, which make a corner (a slot's end does not)."""
         begin, end = self.ahead
         smooth = self._smooth(SMOOTH)
@@ -154,7 +153,7 @@ class _Chain:
         radius = np.where(self.fillet, rounded, radius)
         return _Moved(corner, centre, radius, self._controls(back))
 
-    def turned_over(self, moved: _Moved) -> NDArray[np.bool_]:
+    def turned_over(self, moved: _Moved) -> Mask:
         """(k,) whether a segment has vanished, or runs the other way: the corners beside it have met."""
         start, end = moved.corner, moved.corner[self.after]
         old, new = self.points[:, 3] - self.points[:, 0], end - start
@@ -167,7 +166,7 @@ class _Chain:
         found |= ~np.isfinite(new).all(axis=1) | (start == end).all(axis=1)
         return np.where(self._whole, moved.radius <= 0, found)
 
-    def around(self, bad: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def around(self, bad: Mask) -> Mask:
         """(k,) segments and their neighbours."""
         found = bad.copy()
         for _ in range(REACH):
@@ -194,18 +193,18 @@ class _Chain:
         return [Loop(tuple(made[a:b])) for a, b in zip(self.start[:-1], self.start[1:], strict=True)]
 
     @cached_property
-    def _round(self) -> NDArray[np.bool_]:
+    def _round(self) -> Mask:
         return self.side != 0
 
     @cached_property
-    def _whole(self) -> NDArray[np.bool_]:
+    def _whole(self) -> Mask:
         return np.array([isinstance(s, Circle) for s in self.segments])
 
     @cached_property
-    def _bezier(self) -> NDArray[np.bool_]:
+    def _bezier(self) -> Mask:
         return np.array([isinstance(s, Bezier) for s in self.segments])
 
-    def _smooth(self, sine: float) -> NDArray[np.bool_]:
+    def _smooth(self, sine: float) -> Mask:
         """(k,) whether each segment goes on into the next without a corner."""
         one, two = self.ahead[1], self.ahead[0][self.after]
         return (np.abs(cross(one, two)) < sine) & (np.einsum("ki,ki->k", one, two) > 0)

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.triangles import directed_edges
 
 # The middle of a triangle strays by up to 4/3 of what its sides' middles do on a sphere.
@@ -118,7 +118,7 @@ def _key(sides: Indices) -> Indices:
     return sides[:, 0] * BASE + sides[:, 1]
 
 
-def among(numbers: Indices, known: Indices) -> NDArray[np.bool_]:
+def among(numbers: Indices, known: Indices) -> Mask:
     """Whether numbers are among others, which are sorted; `numpy.isin` takes ten times as long."""
     return known[np.minimum(np.searchsorted(known, numbers), len(known) - 1)] == numbers
 

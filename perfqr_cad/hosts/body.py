@@ -7,11 +7,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.graph import components
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ class Crossings:
     distance_mm: Array
     triangle: Indices
     normal: Array
-    entering: NDArray[np.bool_]
+    entering: Mask
 
 
 @dataclass(frozen=True)
@@ -178,7 +177,7 @@ def body_of_solid(solid: TopoDS_Solid, faces: list[TopoDS_Face]) -> Body:
     return Body(mesh, np.concatenate(tags)[kept], np.concatenate(normals)[kept])
 
 
-def weld(vertices: Array, faces: Indices, tolerance_mm: float) -> tuple[Triangles, NDArray[np.bool_]]:
+def weld(vertices: Array, faces: Indices, tolerance_mm: float) -> tuple[Triangles, Mask]:
     """Vertices closer than the tolerance made one; triangles that lose a corner are dropped (mask
     returned)."""
     from scipy.spatial import cKDTree

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.hosts.body import Body
 
 
@@ -28,7 +28,7 @@ class Probe:
     normal: Array
     front: Indices
     back: Indices
-    hidden: NDArray[np.bool_]
+    hidden: Mask
 
 
 def probe(body: Body, points: Array, towards_reader: Array) -> Probe:

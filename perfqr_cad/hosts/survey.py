@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.frame import Frame
 from perfqr_cad.hosts.probe import probe
@@ -50,7 +50,7 @@ class Survey:
     normal: Array
     front: Indices
     back: Indices
-    hidden: NDArray[np.bool_]
+    hidden: Mask
     faceted: bool = False
 
     @property
@@ -125,7 +125,7 @@ class Survey:
             )
         return None
 
-    def _steps(self) -> NDArray[np.bool_]:
+    def _steps(self) -> Mask:
         """Samples next to a height change that the slopes on both sides do not explain."""
         spacing = self.size_mm / (len(self.height_mm) - 1)
         marked = np.zeros(self.height_mm.shape, bool)
@@ -194,5 +194,5 @@ def _neighbours(values: NDArray, axis: int) -> tuple[NDArray, NDArray]:
     return (values[:-1], values[1:]) if axis == 0 else (values[:, :-1], values[:, 1:])
 
 
-def _share(mask: NDArray[np.bool_]) -> str:
+def _share(mask: Mask) -> str:
     return f"{max(mask.mean(), 0.001):.1%}"

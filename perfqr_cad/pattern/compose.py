@@ -10,15 +10,15 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.cells.brightness import solid_part
 from perfqr_cad.pattern.cells.canvas import Canvas
 from perfqr_cad.pattern.cells.corners import link_corners
-from perfqr_cad.pattern.cells.lattice import Cells, draw, label
+from perfqr_cad.pattern.cells.lattice import Cells, label, rasterised
 from perfqr_cad.pattern.cells.tidy import fill_slivers, tidy
-from perfqr_cad.pattern.drawing.finish import Job, finish, mended, numbered_pieces
+from perfqr_cad.pattern.drawing.contours import mended, numbered_pieces
 from perfqr_cad.pattern.drawing.size import least_dot_mm, module_size, rounded_up
-from perfqr_cad.pattern.drawing.style import is_drawn, shaped_modules, shapes
+from perfqr_cad.pattern.drawing.style import is_drawn, shaped_modules, style_holes
 from perfqr_cad.pattern.joining.connect import join
 from perfqr_cad.pattern.joining.paper import join_paper
 from perfqr_cad.pattern.joining.rings import tie_rings
-from perfqr_cad.pattern.pattern import Pattern
+from perfqr_cad.pattern.pattern import Origin, Pattern, finish
 from perfqr_cad.pattern.spec import PatternSpec
 from perfqr_cad.symbol import Matrix, Readability, Symbol, readability
 
@@ -35,6 +35,11 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     """The pattern of a symbol in one piece; `art` replaces the plain modules by a picture's own.
 
     DesignError when the size is too small for the nozzle, or the result could not be read.
+
+    >>> from perfqr_cad.symbol import encode
+    >>> pattern = build(encode("HELLO"), PatternSpec(size_mm=40))
+    >>> pattern.size_mm, pattern.polygon.geom_type, pattern.readability.total
+    (40.0, 'Polygon', 0.0)
     """
     solid_is_dark = spec.tone == "inverted"
     right_solid = symbol.matrix.dark == solid_is_dark
@@ -49,7 +54,7 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
         weight = spec.loss_weight if spec.objective == "paper" else 0.0
         canvas, losses = join_paper(canvas, symbol, spec.web_mm, weight, solid_is_dark, spec.seed)
     canvas = link_corners(canvas, spec.web_mm, spec.gap_mm, right_solid, sparing)
-    canvas, optimality = join(canvas, symbol, scale, spec.web_mm, solid_is_dark, spec.time_limit_s)
+    canvas, optimality = join(canvas, symbol, scale, spec.web_mm, solid_is_dark, spec.most_nodes)
     if spec.objective != "optimal":
         optimality = None
     if not canvas.shapes:
@@ -58,7 +63,7 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     canvas, sound = rejoined(canvas, symbol, spec, scale, right_solid)
     if not sound:
         canvas, sound = mended(canvas, spec)
-    return finish(canvas, Job(symbol, spec, islands, reason, optimality, losses), sound)
+    return finish(canvas, Origin(symbol, spec, islands, reason, optimality, losses), sound)
 
 
 def _islands(canvas: Canvas, scale: int) -> int:
@@ -75,7 +80,7 @@ def rejoined(
         if (pieces := numbered_pieces(canvas, spec)) is None:
             return canvas, True
         inverted = spec.tone == "inverted"
-        canvas, _ = join(canvas, symbol, scale, spec.web_mm, inverted, spec.time_limit_s, pieces)
+        canvas, _ = join(canvas, symbol, scale, spec.web_mm, inverted, spec.most_nodes, pieces)
         canvas = link_corners(canvas, spec.web_mm, spec.gap_mm, right_solid)
     return canvas, False
 
@@ -137,12 +142,12 @@ def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float)
                 f"style {spec.style} draws holes, and with --tone inverted holes are light: use square"
             )
         ground = symbol.matrix.dark & ~shaped_modules(symbol)
-        lattice = draw(~ground, 1, spec.quiet_modules, module_mm, frame=True)
+        lattice = rasterised(~ground, 1, spec.quiet_modules, module_mm, frame=True)
         canvas = Canvas(lattice, lattice.solid, lattice.solid)
-        return canvas.with_shapes(shapes(symbol, spec, lattice))
+        return canvas.with_shapes(style_holes(symbol, spec, lattice))
     dark = symbol.matrix.dark if art is None else art.dark
     scale = dark.shape[0] // symbol.size
-    lattice = draw(dark == inverted, scale, spec.quiet_modules, module_mm, frame=not inverted)
+    lattice = rasterised(dark == inverted, scale, spec.quiet_modules, module_mm, frame=not inverted)
     smooth_mm = 0.0
     if art is not None and art.kind == "freeform" and spec.contour == "smooth":
         smooth_mm = module_mm / art.scale

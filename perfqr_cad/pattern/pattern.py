@@ -4,29 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.mirror import mirrored
 from perfqr_cad.geometry.outline import Region
 from perfqr_cad.pattern.bridge import Bridge
+from perfqr_cad.pattern.cells.brightness import solid_part
+from perfqr_cad.pattern.cells.canvas import Canvas
+from perfqr_cad.pattern.drawing.contours import check_webs, styled_front
+from perfqr_cad.pattern.drawing.front import front_with_bars
+from perfqr_cad.pattern.joining.rings import as_webs, flush_where_joined
+from perfqr_cad.pattern.joining.spanning import Optimality
 from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.pattern.surround import surrounded
+from perfqr_cad.symbol import Matrix, Readability, Symbol, readability
 
 if TYPE_CHECKING:
     from shapely.geometry import Polygon
-
-    from perfqr_cad.pattern.cells.canvas import Canvas
-    from perfqr_cad.symbol import Matrix, Readability, Symbol
-
-
-class Optimality(NamedTuple):
-    """What the solver proved about the chosen bridges."""
-
-    objective: float
-    bound: float
-    gap: float
-    seconds: float
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class Pattern:
     optimality        what was proved, None for the baselines
     losses            L(Q) after each connector of the baselines (Fig. 9); empty for `optimal`
     size_reason       why the module has the size it has
-    canvas             the lattice that the outline was drawn from
+    canvas            the lattice that the outline was drawn from
     """
 
     symbol: Symbol
@@ -79,6 +78,15 @@ class Pattern:
         """The bridges that fill only the back of the part; `region` is `front` and these."""
         return tuple(bridge for bridge in self.bridges if bridge.is_recessed)
 
+    def mirrored(self) -> Pattern:
+        """The outlines and bridges as seen from behind; what was read and counted stays."""
+        return replace(
+            self,
+            region=mirrored(self.region),
+            front=tuple(mirrored(region) for region in self.front),
+            bridges=tuple(bridge.mirrored() for bridge in self.bridges),
+        )
+
     @cached_property
     def polygon(self) -> Polygon:
         """The region as a shapely polygon, curves within the default tolerance."""
@@ -87,10 +95,7 @@ class Pattern:
     @cached_property
     def web_polygon(self) -> Polygon:
         """The polygon by which the least web is judged: recessed bars count as wide as that (`as_webs`)."""
-        from perfqr_cad.pattern.drawing.front import joined
-        from perfqr_cad.pattern.joining.rings import as_webs
-
-        return joined(self.front, as_webs(self.canvas, self.spec)).polygon()
+        return front_with_bars(self.front, as_webs(self.canvas, self.spec)).polygon()
 
     def with_bridge(self, bridge: Bridge) -> Pattern:
         """The pattern with one more bridge, sampled again; see `with_bridges`."""
@@ -101,8 +106,6 @@ class Pattern:
 
         DesignError when a web is too thin or when the code can no longer be read.
         """
-        from perfqr_cad.pattern.drawing.finish import finish
-
         canvas = self.canvas
         for bridge in bridges:
             canvas = canvas.with_slanted(bridge)
@@ -114,3 +117,48 @@ class Pattern:
                 " place them elsewhere or raise the error correction level"
             )
         return pattern
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a pattern comes from: it stays the same while bridges are added (see `Pattern` for the fields)."""
+
+    symbol: Symbol
+    spec: PatternSpec
+    islands_before: int
+    size_reason: str
+    optimality: Optimality | None = None
+    losses: tuple[float, ...] = ()
+
+
+def finish(canvas: Canvas, origin: Origin | Pattern, webs_hold: bool = False) -> Pattern:
+    """The pattern of a canvas. DesignError when it is not one piece with the least web throughout.
+
+    webs_hold  the webs have been checked already
+    """
+    spec, lattice = origin.spec, canvas.lattice
+    canvas = flush_where_joined(canvas, spec)
+    if not webs_hold:
+        check_webs(canvas, spec)
+    size_mm = lattice.cells * lattice.cell_mm
+    front = surrounded(styled_front(canvas, spec), size_mm, spec.surround, spec.web_mm)
+    observed = Matrix((solid_part(canvas.lattice) >= 0.5) == (spec.tone == "inverted"))
+    changed = int(np.count_nonzero(canvas.solid ^ canvas.asked))
+    return Pattern(
+        symbol=origin.symbol,
+        spec=spec,
+        module_mm=lattice.module_mm,
+        quiet_modules=lattice.quiet,
+        region=front_with_bars(front, canvas.recessed),
+        front=front,
+        bridges=canvas.bridges,
+        islands_before=origin.islands_before,
+        observed=observed,
+        readability=readability(observed, origin.symbol),
+        changed_area_mm2=changed * lattice.cell_mm**2,
+        edits=canvas.edits,
+        optimality=origin.optimality,
+        losses=origin.losses,
+        size_reason=origin.size_reason,
+        canvas=canvas,
+    )

@@ -16,6 +16,7 @@ Tone = Literal["normal", "inverted"]
 Contour = Literal["smooth", "exact"]
 CHOICES = {"style": Style, "finder": FinderStrategy, "objective": Objective, "tone": Tone, "contour": Contour}
 
+BARS = (1, 2)  # of a finder ring. More cut the dark ring in pieces: OpenCV then finds no corners
 LINES_PER_WEB = 2  # a web of two extrusion lines holds; one line alone tears along its seam
 GREATEST_SIZE_MM = 2000.0  # beyond any printer or cutter this package speaks to
 
@@ -30,11 +31,14 @@ class PatternSpec:
     min_gap_mm     least width of a hole; None: one nozzle
     fillet_mm      radius in re-entrant corners of the material; None: half the nozzle, 0: sharp
     finder         bars across the dark rings: `panel` one by the corner, flush with the face; `diagonal` the
-                   paper's four at 45°; `recessed` one by the corner, behind the face, and on the rings
+                   paper's four at 45°; `recessed` some by the corners, behind the face, and on the rings
                    that readers trace at the end of a slot that is pinched
+    bars           recessed bars of a finder ring, 1 or 2. Two lie by both ends of one side, or are one of
+                   twice the width in a slot that is pinched; they bear more, and cost some reads
     bar_height_mm  height of a recessed bar above the back of the part
-    bar_width_mm   width of recessed bars in pinched slots; None: the least web. Less, down to a nozzle
-                   line, is read from further aside, and is then the only material under the least web
+    bar_width_mm   width of recessed bars; None: wide ones on finders, the least web on alignment patterns.
+                   Less than that web, down to a nozzle line, in pinched slots alone: it is then the only
+                   material under it
     objective      `optimal`, or the baselines `paper` (Eq. (4)) and `mst` (Eq. (4) with λ = 0)
     loss_weight    λ of Eq. (4)
     tone           `normal`: light modules are material; `inverted`: dark modules are
@@ -50,6 +54,7 @@ class PatternSpec:
     style: Style = "square"
     fillet_mm: float | None = None
     finder: FinderStrategy = "recessed"
+    bars: int = 2
     bar_height_mm: float = 0.4
     bar_width_mm: float | None = None
     objective: Objective = "optimal"
@@ -58,15 +63,17 @@ class PatternSpec:
     contour: Contour = "smooth"
     surround: Surround = NOTHING
     seed: int = 0
-    time_limit_s: float = 10.0
+    most_nodes: int = 2000
 
     def __post_init__(self) -> None:
         _positive("nozzle_mm", self.nozzle_mm)
-        _positive("time_limit_s", self.time_limit_s)
+        _positive("most_nodes", self.most_nodes)
         _positive("bar_height_mm", self.bar_height_mm)
         for name in ("bar_width_mm", "min_web_mm", "min_gap_mm", "size_mm"):
             if (value := getattr(self, name)) is not None:
                 _positive(name, value)
+        if self.bars not in BARS:
+            raise DesignError(f"bars = {self.bars} a finder ring is outside 1 to 2: use --bars 1 or 2")
         size = self.size_mm or 0.0
         if size > GREATEST_SIZE_MM:
             raise DesignError(f"size {size:g} mm is over {GREATEST_SIZE_MM:g} mm: use a smaller --size")
@@ -85,11 +92,6 @@ class PatternSpec:
     def web_mm(self) -> float:
         """Least width of material, mm."""
         return LINES_PER_WEB * self.nozzle_mm if self.min_web_mm is None else self.min_web_mm
-
-    @property
-    def line_mm(self) -> float:
-        """Width of the recessed bar in the pinched slot, mm."""
-        return self.web_mm if self.bar_width_mm is None else self.bar_width_mm
 
     @property
     def gap_mm(self) -> float:

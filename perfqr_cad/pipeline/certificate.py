@@ -103,7 +103,9 @@ def summary(design: Finished) -> str:
         f"scan      read by {readers}",
     ]
     lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings, *design.scan.warnings)]
-    lines += [f"wrote     {record.path} ({record.bytes:,} bytes)" for record in design.files]
+    for record in design.files:
+        lines.append(f"wrote     {record.path} ({record.bytes:,} bytes)")
+        lines += [f"          {record.remarks}"] if record.remarks else []
     return "\n".join(lines)
 
 
@@ -170,6 +172,7 @@ def _connectivity(design: Finished) -> dict[str, Any]:
             {"stage": b.stage, "start_mm": list(b.start), "end_mm": list(b.end), "width_mm": b.width_mm}
             for b in pattern.bridges
         ],
+        "area_mm2": pattern.region.area,
         "min_web_mm": pattern.spec.web_mm,
         "changed_area_mm2": pattern.changed_area_mm2,
         "edits": dict(pattern.edits),

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from perfqr_cad.errors import DesignError, NotHeldError
 from perfqr_cad.pipeline.design import Design
 from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
+from perfqr_cad.pipeline.holding import attempts
 from perfqr_cad.pipeline.promises import promises, require_kept
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
@@ -61,10 +62,13 @@ def run(request: Request, target: Target | None = None) -> Design:
     Raises `NotHeldError` when the part is weak or unread where it was asked not to be; its message names a
     change with which the part was made and holds, or says what was tried.
     """
-    try:
-        return _once(request, target)
-    except NotHeldError as shortfall:
-        raise advised(shortfall, request, lambda changed: _once(changed, target)) from None
+    shortfalls: list[NotHeldError] = []
+    for attempt in attempts(request):
+        try:
+            return _once(attempt, target)
+        except NotHeldError as shortfall:
+            shortfalls.append(shortfall)
+    raise advised(shortfalls[0], request, lambda changed: _once(changed, target))
 
 
 def _once(request: Request, target: Target | None) -> Design:
@@ -121,10 +125,9 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
     Without `text` the payload is what the certificate says, or what the decoders agree on.
     """
     from perfqr_cad import scan
-    from perfqr_cad.hosts.mesh import read_mesh
     from perfqr_cad.hosts.step.meshing import mesh_step
 
-    return scan.part(path, text, mesh_step=mesh_step, mesh_3mf=read_mesh)
+    return scan.part(path, text, mesh_step=mesh_step)
 
 
 def _source(request: Request, terms: Terms) -> tuple[Capture | None, Symbol]:

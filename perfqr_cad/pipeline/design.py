@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import cadquery
 
     from perfqr_cad.capture import Capture
-    from perfqr_cad.export import FileRecord
+    from perfqr_cad.export import FileRecord, Options
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.pipeline.promises import Promise
     from perfqr_cad.scan import ScanReport
@@ -84,13 +84,21 @@ class Design:
         """Write one file; its suffix is the format."""
         from perfqr_cad.export import write
 
-        return write(self, path)
+        return write(self, path, self._options)
 
     def written(self, outputs: Sequence[str | Path]) -> Design:
         """Write files and folders; the design that knows of them."""
         from perfqr_cad.export import write_outputs
 
         begin = time.perf_counter()
-        files = write_outputs(self, outputs)
+        files = write_outputs(self, outputs, self._options)
         timings = self.timings_s | {"export": time.perf_counter() - begin}
         return replace(self, files=files, timings_s=timings)
+
+    @property
+    def _options(self) -> Options:
+        """Variants of formats that were asked for."""
+        from perfqr_cad.export import Options
+
+        asked = self.request
+        return Options(asked.dxf, asked.dxf_bridges, asked.svg)  # pyright: ignore[reportArgumentType]  # checked there

@@ -35,6 +35,7 @@ _INTEGER = re.compile(r"[+-]?\d{1,15}", re.ASCII)
 _FLAGS = {"true": True, "false": False}
 _NOTHING = ("undef", "none", "null")  # OpenSCAD's, Python's and JSON's words for no value
 _SHOWN = 40  # letters of a value that a message repeats
+_DEPTH = 2  # lists in lists that it repeats
 # Python's names for kinds, in annotations of settings and of a template's own parameters.
 _NAMED = {"str": Kind.TEXT, "bool": Kind.FLAG, "int": Kind.WHOLE, "float": Kind.NUMBER}
 
@@ -111,7 +112,7 @@ def kind_of_annotation(annotation: str) -> tuple[Kind, tuple[int, ...], bool] | 
     return None
 
 
-def shown(value: object, nested: int = 2) -> str:
+def shown(value: object, nested: int = _DEPTH) -> str:
     """A value as messages and tables show it, cut short where it is long or deep."""
     match value:
         case None:
@@ -124,6 +125,8 @@ def shown(value: object, nested: int = 2) -> str:
             text = f"[{', '.join(shown(entry, nested - 1) for entry in value[:_SHOWN])}]"
         case list() | tuple() | dict():
             text = "a structure"
+        case str() if nested < _DEPTH and _DECIMAL.fullmatch(value):
+            text = value  # a number of a JSON list
         case str():
             some = value[: _SHOWN + 1]
             text = f"'{some}'" if some.isprintable() else ascii(some)

@@ -14,6 +14,7 @@ from perfqr_cad.errors import DesignError, SymbolError
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.solid import Solid
+    from perfqr_cad.symbol import Readability
 
 VOLUME_TOL = 1e-6  # share by which the solid may differ from its outline's own volume, as on curved walls
 
@@ -34,9 +35,12 @@ class Promise:
 
 def promises(pattern: Pattern, solid: Solid) -> tuple[Promise, ...]:
     """Every promise of a part, kept or not; none is left out."""
+    from perfqr_cad.symbol import readability
+
+    seen = readability(pattern.observed, pattern.symbol)  # anew, from what was sampled on the finished region
     return (
-        _readability(pattern),
-        *_blocks(pattern),
+        _readability(seen),
+        *_blocks(seen),
         _payload(pattern),
         _pieces(pattern),
         _bodies(solid),
@@ -56,16 +60,15 @@ def require_kept(made: Iterable[Promise]) -> None:
             )
 
 
-def _readability(pattern: Pattern) -> Promise:
+def _readability(seen: Readability) -> Promise:
     """L(Q) of Eqs. (1)-(3)."""
-    loss = pattern.readability.total
+    loss = seen.total
     return Promise("readability", loss if math.isfinite(loss) else "infinite", "finite", math.isfinite(loss))
 
 
-def _blocks(pattern: Pattern) -> Iterable[Promise]:
+def _blocks(seen: Readability) -> Iterable[Promise]:
     """Errors of each block against what it can correct."""
-    found = pattern.readability
-    pairs = zip(found.errors, found.capacity, strict=True)
+    pairs = zip(seen.errors, seen.capacity, strict=True)
     for number, (errors, capacity) in enumerate(pairs, start=1):
         yield Promise(f"block {number}", errors, f"at most {capacity} wrong codewords", errors <= capacity)
 
@@ -84,7 +87,7 @@ def _payload(pattern: Pattern) -> Promise:
 
 def _pieces(pattern: Pattern) -> Promise:
     """Pieces of the region once half the least web is taken off all around."""
-    from perfqr_cad.pattern.drawing.finish import web_pieces
+    from perfqr_cad.pattern.drawing.contours import web_pieces
 
     web_mm = pattern.spec.web_mm
     count = len(web_pieces(pattern.web_polygon, web_mm))

@@ -81,6 +81,15 @@ class Request:
         group="Look",
         choices=("recessed:at the back", "panel:flush bars", "diagonal:four corner bars"),
     )
+    bars: int | None = setting(
+        None, "recessed bars of a finder ring", group="Look", range=(1, 2), empty="as reads best"
+    )
+    bar_height_mm: float | None = setting(
+        None, "their height above the back", group="Look", range=(0.05, 100.0), empty="as reads best"
+    )
+    bar_width_mm: float | None = setting(
+        None, "their width", group="Look", range=(0.05, 100.0), empty="as reads best"
+    )
     objective: str = setting(
         "optimal",
         "how bridges are chosen",
@@ -125,7 +134,7 @@ class Request:
     )
     caption: str | None = setting(
         None,
-        "a line of text on the frame below the code",
+        "text on the frame; a new line begins another line",
         group="Body",
         empty="none",
         max_length=MOST_CAPTION,
@@ -136,7 +145,20 @@ class Request:
         "height of the caption's capital letters",
         group="Body",
         range=(0.1, 1000.0),
-        empty="half of the frame",
+        empty="half of the frame, or what its lines leave",
+    )
+    caption_place: str = setting(
+        "bottom",
+        "on which side of the code the caption stands",
+        group="Body",
+        choices=("bottom:below", "top:above"),
+    )
+    font: str | None = setting(
+        None,
+        "font of the caption: the name of an installed one, or a file",
+        group="Body",
+        empty="DejaVu Sans, which comes along",
+        visible=True,
     )
     caption_relief_mm: float = setting(
         0.4,
@@ -152,6 +174,9 @@ class Request:
         empty="none",
     )
     gap_mm: float = setting(0.0, "gap before the backing", group="Body", range=(0.0, 500.0))
+    mirror: bool = setting(
+        False, "the face is drawn mirrored, to be read from behind: for stamps and moulds", group="Body"
+    )
     material: str = setting(
         "PLA",
         "what the part is made of",
@@ -168,6 +193,21 @@ class Request:
     )
     pressure_mpa: float = setting(
         0.0, "uniform pressure that the front must bear", group="Strength", range=(0.0, 1000.0)
+    )
+    finger_n: float | None = setting(
+        None,
+        "a fingertip's force that the part must bear at any place, as load fingertip=N",
+        group="Strength",
+        range=(0.01, 1e5),
+        empty="not asked for",
+    )
+    own_weight: bool = setting(False, "the part must bear its own weight, as load weight", group="Strength")
+    handling_n: float | None = setting(
+        None,
+        "a fingertip's force for which bars and thickness are changed until the part bears it",
+        group="Strength",
+        range=(0.01, 1e5),
+        empty="not asked for",
     )
     support: str | None = setting(
         None,
@@ -219,6 +259,20 @@ class Request:
         False, "write the part although it is not read as it should be", group="Proof"
     )
     seed: int = setting(0, "seed of everything random", group="Proof", range=(0, 2**32 - 1))
+
+    dxf: str = setting(
+        "r2000",
+        "version of DXF files",
+        group="Files",
+        choices=("r2000", "r12:for old programs"),
+    )
+    dxf_bridges: bool = setting(False, "draw bridges in DXF files, on a frozen layer", group="Files")
+    svg: str = setting(
+        "filled",
+        "kind of SVG files",
+        group="Files",
+        choices=("filled:a picture", "cut:hairlines in the colours of a cutter"),
+    )
 
     def __post_init__(self) -> None:
         if (self.text is None) == (self.image is None):

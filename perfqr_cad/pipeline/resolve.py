@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pipeline.request import Request
@@ -14,6 +14,7 @@ from perfqr_cad.units import linear_from_srgb, srgb_from_linear
 if TYPE_CHECKING:
     from perfqr_cad.pattern import PatternSpec
     from perfqr_cad.profile import Backing, Caption, Walls
+    from perfqr_cad.profile.caption import Place
     from perfqr_cad.profile.colour import Colour
     from perfqr_cad.scan import Look, Schedule
     from perfqr_cad.scan.camera.look import RGB
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 DRAFT_DEG, LIP_MM = 15.0, 0.2
 LEAST_FLARED_MM = 4 * LIP_MM  # thinner sheets are cut, not printed, and hide little
 LAYER_SHARE = 0.75  # of its diameter: the thickest layer that a nozzle lays well
-CAPTION_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
 
 
 @dataclass(frozen=True)
@@ -81,14 +81,15 @@ def resolved(request: Request, *, or_straight: bool) -> Terms:
     straight instead."""
     from perfqr_cad.profile import Walls
 
+    drawing = _drawing(request)
     return Terms(
         request=request,
-        drawing=_drawing(request),
+        drawing=drawing,
         walls=Walls(request.draft_deg or 0.0, request.lip_mm or 0.0, request.depth_mm, or_straight),
         case=_case(request),
         views=_views(request),
         look=_look(request),
-        caption=_caption(request),
+        caption=_caption(request, drawing.web_mm),
         backing=_backing(request),
         colour=_part_colour(request),
     )
@@ -98,10 +99,6 @@ def _drawing(request: Request) -> PatternSpec:
     """What the pattern is asked to be."""
     from perfqr_cad.pattern import Hole, PatternSpec, Surround
 
-    # The smaller the bars, the further from aside zxing-cpp reads the part: docs/scan.md.
-    bars = {}
-    if request.scan_tilt_deg:
-        bars = {"bar_width_mm": request.nozzle_mm, "bar_height_mm": LAYER_SHARE * request.nozzle_mm}
     return PatternSpec(
         size_mm=request.size_mm,
         quiet_modules=request.quiet_modules,
@@ -109,7 +106,7 @@ def _drawing(request: Request) -> PatternSpec:
         style=request.style,  # pyright: ignore[reportArgumentType]  # PatternSpec refuses unknown names
         fillet_mm=request.fillet_mm,
         finder=request.finder,  # pyright: ignore[reportArgumentType]
-        **bars,
+        **_bars(request),
         objective=request.objective,  # pyright: ignore[reportArgumentType]
         contour=request.contour,  # pyright: ignore[reportArgumentType]
         tone=request.tone,  # pyright: ignore[reportArgumentType]
@@ -123,16 +120,29 @@ def _drawing(request: Request) -> PatternSpec:
     )
 
 
-def _caption(request: Request) -> Caption | None:
-    """What is written on the frame."""
-    from perfqr_cad.profile import Caption
+def _bars(request: Request) -> dict[str, Any]:
+    """Settings of the recessed bars: as asked for, and what is left open as suits the tilt."""
+    chosen: dict[str, Any] = {}
+    if request.scan_tilt_deg:  # the smaller the bars, the further from aside zxing-cpp reads: docs/scan.md
+        layer_mm = LAYER_SHARE * request.nozzle_mm
+        chosen = {"bars": 1, "bar_width_mm": request.nozzle_mm, "bar_height_mm": layer_mm}
+    asked = {name: getattr(request, name) for name in ("bars", "bar_height_mm", "bar_width_mm")}
+    return chosen | {name: value for name, value in asked.items() if value is not None}
 
+
+def _caption(request: Request, web_mm: float) -> Caption | None:
+    """What is written on the frame."""
     if not request.caption:
         return None
-    height = request.caption_height_mm or CAPTION_SHARE * request.frame_mm
-    if not height:
-        raise DesignError(f"the caption {request.caption!r} needs a frame to stand on: give --frame 8, say")
-    return Caption(request.caption, height, request.caption_relief_mm)
+    if not request.frame_mm:
+        raise DesignError("a caption needs a frame to stand on: give --frame 8, say")
+    from perfqr_cad.profile.caption import Caption, fitting_height_mm
+
+    height_mm = request.caption_height_mm
+    if height_mm is None:
+        height_mm = fitting_height_mm(request.caption, request.font, request.frame_mm, web_mm)
+    place: Place = request.caption_place  # pyright: ignore[reportAssignmentType]  # Caption refuses others
+    return Caption(request.caption, height_mm, request.caption_relief_mm, request.font, place)
 
 
 def _backing(request: Request) -> Backing | None:
@@ -160,13 +170,16 @@ def _case(request: Request) -> Case:
         yield_mpa=request.yield_mpa,
     )
     loads = handling_loads(asked_loads(request), request.pressure_mpa)
-    asked = bool(request.load or request.pressure_mpa)
+    asked = bool(asked_loads(request) or request.pressure_mpa)
     return case.for_hands(loads, upright=request.support != "free", strengthen=asked)
 
 
 def asked_loads(request: Request) -> tuple[str, ...]:
     """The loads that were asked for by name, as they were written."""
-    return tuple(name.strip() for name in (request.load or "").split(",") if name.strip())
+    listed = [name.strip() for name in (request.load or "").split(",") if name.strip()]
+    forces = (request.finger_n, request.handling_n)
+    listed += [f"fingertip={force_n:g}" for force_n in forces if force_n is not None]
+    return (*listed, "weight") if request.own_weight else tuple(listed)
 
 
 def _views(request: Request) -> Schedule:

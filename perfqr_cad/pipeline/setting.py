@@ -13,7 +13,7 @@ from perfqr_cad.pipeline.parameter import Parameter
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-GROUPS = ("Code", "Look", "Walls", "Body", "Strength", "Proof")
+GROUPS = ("Code", "Look", "Walls", "Body", "Strength", "Proof", "Files")
 UNITS = {"mm": "mm", "deg": "°", "mpa": "MPa", "n": "N", "modules": "modules"}  # by suffix of the Python name
 _WIDTH = 106
 

@@ -66,6 +66,34 @@ class Sheet:
 
 
 @dataclass(frozen=True)
+class TurnedSheet:
+    """A flat sheet turned over: its face at the top shows the code mirrored, and it is read from below."""
+
+    sheet: Sheet
+
+    @property
+    def behind(self) -> None:
+        """Nothing: the ground is seen through the holes."""
+
+    def placement(self, size_mm: float, depth_mm: float | None = None) -> Placement:
+        """The reader's side, the lower one. Raises `DesignError` for what cannot be read from there."""
+        from perfqr_cad.surface import TurnedPlane
+
+        if depth_mm is not None:
+            raise DesignError(
+                f"pockets of {depth_mm:g} mm are not seen from behind: leave --mirror or --depth out"
+            )
+        return TurnedPlane(self.sheet.placement(size_mm).thickness_mm)
+
+    def solid(self, pattern: Pattern, placement: Placement, walls: Walls) -> Solid:
+        """The sheet's own piece, turned over."""
+        from perfqr_cad.solid.kernel.turn import turned
+
+        made = self.sheet.solid(pattern, self.sheet.surface, walls)
+        return turned(made, placement.thickness_mm)
+
+
+@dataclass(frozen=True)
 class Site:
     """A target and the place in it where the code lies."""
 
@@ -90,6 +118,12 @@ def locate(target: Target | None, terms: Terms, extent_mm: float) -> Site:
     from perfqr_cad.surface import Plane
 
     furnished = _furnished(target or Sheet(Plane(terms.request.thickness_mm)), terms)
+    if terms.request.mirror:
+        if not (isinstance(furnished, Sheet) and furnished.surface.is_flat):
+            raise DesignError(
+                "a code in a curved wall or a part of your own is read from its front: no --mirror"
+            )
+        furnished = TurnedSheet(furnished)
     placement = furnished.placement(extent_mm, terms.walls.depth_mm)
     terms.walls.require_fit(placement.thickness_mm)
     return Site(furnished, placement)

@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.offset import widened
 from perfqr_cad.geometry.outline import Arc, Loop, Region, Segment
 from perfqr_cad.geometry.rings import following, owners, starts_of
@@ -183,7 +183,7 @@ class Outlines:
         """(k,) the next segment of the same loop."""
         return following(self.starts)
 
-    def _neighbours(self, first: Indices, second: Indices) -> NDArray[np.bool_]:
+    def _neighbours(self, first: Indices, second: Indices) -> Mask:
         """Pairs that meet at a corner, sharp or rounded: no web lies between them."""
         after = self._after
         rounded = np.array([isinstance(s, Arc) for s in self.segments])

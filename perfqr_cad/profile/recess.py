@@ -16,7 +16,7 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Line, Loop, Point, Segment
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.pattern.bridge import LEAST_SLOT_MM
+from perfqr_cad.pattern.bridge import LEAST_SLOT_DEPTH_MM
 from perfqr_cad.profile.caps import Cap
 from perfqr_cad.profile.loft import Level, Loft
 
@@ -69,10 +69,10 @@ class _Cut(NamedTuple):
 def top_depth_mm(bars: Sequence[Bridge], thickness_mm: float) -> float:
     """Depth of the bars' tops, all as high as the highest. Raises `NoRecess` where the wall is too thin."""
     height = max(bar.height_mm or 0.0 for bar in bars)
-    if thickness_mm - height < LEAST_SLOT_MM - ROUND:
+    if thickness_mm - height < LEAST_SLOT_DEPTH_MM - ROUND:
         raise NoRecess(
             f"the bars are flush with the face: {height:g} mm high in a wall of {thickness_mm:g} mm, they "
-            f"leave no slot of {LEAST_SLOT_MM:g} mm"
+            f"leave no slot of {LEAST_SLOT_DEPTH_MM:g} mm"
         )
     return thickness_mm - height
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.progress import tell
-from perfqr_cad.reproduce.exhibits import handheld, rate, save, stand_in_pattern
+from perfqr_cad.reproduce.exhibits import captured_pattern, handheld, rate, save
 from perfqr_cad.reproduce.stand_ins import SHARED, TABLE_1
 from perfqr_cad.scan import FlatPrint, Look, Scene, View, place, printed
 from perfqr_cad.scan.decoding.decoders import available
@@ -57,7 +57,7 @@ def bunny(out: Path) -> tuple[Scene, FlatPrint, bytes]:
 
     tell("carve the Bunny")
     row = next(row for row in TABLE_1 if row.name == "CADGraphics")
-    captured, pattern = stand_in_pattern(row, out)
+    captured, pattern = captured_pattern(row, out)
     extent = EXTENT_PER_CODE * pattern.size_mm
     if MESH.is_file():
         target = MeshTarget(path=MESH, extent_mm=extent, hollow_mm=WALL_MM)

@@ -47,7 +47,7 @@ def exhibit(name: str, out: Path) -> Exhibit:
 
     row = next(row for row in TABLE_1 if row.name == name)
     tell(f"make {name}")
-    captured, pattern = stand_in_pattern(row, out)
+    captured, pattern = captured_pattern(row, out)
     placement = Plane(THICKNESS_MM)
     solid = build_solid(pattern, placement)
     art = captured.art
@@ -68,16 +68,21 @@ def default_part() -> Exhibit:
     return Exhibit("default", DEFAULT_TEXT.encode(), scene, paper, pattern)
 
 
-def stand_in_pattern(row: Row, out: Path) -> tuple[Capture, Pattern]:
-    """The stand-in's pattern at the paper's size, or at the least that the nozzle can make."""
+def captured_pattern(row: Row, out: Path) -> tuple[Capture, Pattern]:
+    """The stand-in as it is read, and its pattern."""
     from perfqr_cad.capture import read
 
     captured = read(picture(row, out))
+    return captured, pattern_of(captured, row)
+
+
+def pattern_of(captured: Capture, row: Row) -> Pattern:
+    """The pattern at the paper's size, or at the least that the nozzle can make."""
     symbol = captured.recovery.symbol
     try:
-        return captured, build(symbol, PatternSpec(size_mm=row.size_mm), captured.art)
+        return build(symbol, PatternSpec(size_mm=row.size_mm), captured.art)
     except DesignError:  # smaller than the nozzle can make
-        return captured, build(symbol, PatternSpec(), captured.art)
+        return build(symbol, PatternSpec(), captured.art)
 
 
 def rate(

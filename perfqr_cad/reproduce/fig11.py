@@ -26,8 +26,7 @@ OVERLOAD = 1.15  # stress over χ at the pressure where reinforcement is shown
 
 
 def run(out: Path) -> Table:
-    """Write fig11-5pa.png, fig11-<method>.png and fig11-convergence.png into a folder; the figures of each
-    case as a table."""
+    """The figures of each case as a table; writes fig11-5pa.png, -<method>.png and -convergence.png."""
     out.mkdir(parents=True, exist_ok=True)
     pattern = build(encode(TEXT, version=VERSION), PatternSpec(size_mm=SIZE_MM, finder="diagonal"))
     plate = Plane(THICKNESS_MM)

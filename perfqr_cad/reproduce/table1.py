@@ -10,7 +10,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from perfqr_cad.errors import DesignError
+from perfqr_cad.reproduce.exhibits import pattern_of
 from perfqr_cad.reproduce.stand_ins import TABLE_1, THICKNESS_MM, Row, picture
 from perfqr_cad.table import Table
 
@@ -34,23 +34,19 @@ def run(out: Path) -> Table:
 
 def _row(row: Row, out: Path) -> tuple[object, ...]:
     from perfqr_cad.capture import read
-    from perfqr_cad.pattern import PatternSpec, build
     from perfqr_cad.structure import Case, Pressure, reinforce
     from perfqr_cad.surface import Plane
 
     captured = read(picture(row, out))
-    symbol = captured.recovery.symbol
     begin = time.perf_counter()
-    try:
-        drawn = build(symbol, PatternSpec(size_mm=row.size_mm), captured.art)
-    except DesignError:  # smaller than the nozzle can make: take the least size
-        drawn = build(symbol, PatternSpec(), captured.art)
+    pattern = pattern_of(captured, row)
     connected = time.perf_counter()
-    strong = reinforce(drawn, Plane(THICKNESS_MM), Case.of(Pressure(PRESSURE_MPA), yield_mpa=YIELD_MPA))
+    strong = reinforce(pattern, Plane(THICKNESS_MM), Case.of(Pressure(PRESSURE_MPA), yield_mpa=YIELD_MPA))
     reinforced = time.perf_counter()
     ours = reinforced - begin
     return (
-        row.name, symbol.version, drawn.size_mm, drawn.islands_before, connected - begin, row.connectivity_s,
-        len(drawn.bridges), reinforced - connected, row.structural_s, len(strong.bridges), strong.status,
+        row.name, captured.matrix.version, pattern.size_mm, pattern.islands_before, connected - begin,
+        row.connectivity_s, len(pattern.bridges), reinforced - connected, row.structural_s,
+        len(strong.bridges), strong.status,
         (row.connectivity_s + row.structural_s) / ours,
     )  # fmt: skip

@@ -1,4 +1,8 @@
-"""The simulated camera and the panel of decoders: proof that a part scans, before it is made."""
+"""The simulated camera and the panel of decoders: proof that a part scans, before it is made.
+
+Triangles or a pattern come in, a `ScanReport` goes out: `camera` makes pictures, `decoding` reads them, the
+modules here decide what is filmed and what it proves. Nothing here builds or changes a part.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ from perfqr_cad.scan.report import DecoderResult, FilmedView, ScanReport
 if TYPE_CHECKING:
     from perfqr_cad.scan.camera.camera import Camera, CodeFrame, View
     from perfqr_cad.scan.camera.flat import FlatPrint, printed
-    from perfqr_cad.scan.camera.placing import Part, load_mesh, place
+    from perfqr_cad.scan.camera.placing import FilmedPart, load_mesh, place
     from perfqr_cad.scan.camera.preview import plate_scene
     from perfqr_cad.scan.camera.scene import Scene
     from perfqr_cad.scan.decoding.panel import Panel
@@ -23,7 +27,7 @@ if TYPE_CHECKING:
 _MODULES = {
     "camera.camera": ("Camera", "CodeFrame", "View"),
     "camera.flat": ("FlatPrint", "printed"),
-    "camera.placing": ("Part", "load_mesh", "place"),
+    "camera.placing": ("FilmedPart", "load_mesh", "place"),
     "camera.scene": ("Scene",),
     "camera.preview": ("plate_scene",),
     "decoding.panel": ("Panel",),
@@ -43,6 +47,7 @@ __all__ = [
     "Camera",
     "CodeFrame",
     "DecoderResult",
+    "FilmedPart",
     "FilmedView",
     "FlatPrint",
     "Goal",
@@ -51,7 +56,6 @@ __all__ = [
     "Look",
     "Optics",
     "Panel",
-    "Part",
     "ScanReport",
     "Scene",
     "Schedule",

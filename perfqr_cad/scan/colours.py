@@ -39,7 +39,11 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def contrast(material: RGB, ground: RGB) -> float:
-    """Michelson contrast of the luminances, -1 to 1; negative when the ground is the lighter."""
+    """Michelson contrast of the luminances, -1 to 1; negative when the ground is the lighter.
+
+    >>> round(contrast(FILAMENTS["white"], BACKGROUNDS["black"]), 2)
+    0.91
+    """
     light, dark = float(LUMINANCE @ material), float(LUMINANCE @ ground)
     return (light - dark) / (light + dark)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from perfqr_cad.errors import DesignError, KernelError
+from perfqr_cad.bounded import MIB, read_json
+from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.scan.camera.placing import load_mesh
 from perfqr_cad.scan.decoding.decoders import accepted
@@ -19,6 +19,7 @@ from perfqr_cad.surface import Placement
 
 MESHES = (".stl", ".3mf", ".ply", ".obj", ".off")
 STEPS = (".step", ".stp")
+MOST_BYTES = 16 * MIB  # of a certificate; that of a version-40 part has 2 MB
 # Of the files beside a design.json, the first of these that exists is filmed.
 PREFERRED = (".stl", ".3mf", ".step", ".stp")
 
@@ -28,7 +29,6 @@ def part(
     text: str | None = None,
     *,
     mesh_step: Callable[[Path], Triangles] | None = None,
-    mesh_3mf: Callable[[Path], Triangles] | None = None,
     placement: Placement | None = None,
     schedule: Schedule = FULL,
     decoders: tuple[str, ...] | None = None,
@@ -38,7 +38,6 @@ def part(
 
     text        what must come back; None: what the design.json says, or what the decoders agree on
     mesh_step   triangles of a STEP file; the solid modeller is not ours to call
-    mesh_3mf    triangles of a 3MF file in mm; None: without its unit
     placement   where the code lies; None: on the top of a plate, else on the side from which it is read
 
     KernelError if the file cannot be read, DesignError if it is no kind of part.
@@ -48,13 +47,9 @@ def part(
     if suffix == ".json":
         path, said = _of_design(path)
         suffix, text = path.suffix.lower(), said if text is None else text
-    if suffix == ".3mf" and mesh_3mf is not None:
-        triangles = mesh_3mf(path)
-    elif suffix in MESHES:
+    if suffix in MESHES:
         triangles = load_mesh(path)
     elif suffix in STEPS and mesh_step is not None:
-        if not path.is_file():
-            raise KernelError(f"{path} does not exist: give the path of a written part")
         triangles = mesh_step(path)
     else:
         raise DesignError(f"{path.name} is no part: give an .stl, .3mf or .step file, or a design.json")
@@ -70,12 +65,14 @@ def part(
 
 def _of_design(path: Path) -> tuple[Path, str | None]:
     """The file to film and the payload, from a certificate."""
+    certificate = read_json(path, MOST_BYTES, DesignError, "a design.json")
     try:
-        certificate = json.loads(path.read_text())
         names = [Path(record["path"]) for record in certificate["files"]]
         payload = certificate["payload"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (KeyError, TypeError) as error:
         raise DesignError(f"{path} is no certificate of a design ({error}): give a design.json") from error
+    if not isinstance(payload, str | None):
+        raise DesignError(f"{path} has a payload that is no text: give a design.json")
     written = [path.parent / name.name for name in names] + names
     for suffix in PREFERRED:
         for candidate in written:

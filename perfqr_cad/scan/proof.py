@@ -60,7 +60,11 @@ class Schedule:
         ]
 
     def views(self) -> list[View]:
-        """Every view, the frontal one once."""
+        """Every view, the frontal one once.
+
+        >>> [(view.tilt_deg, view.azimuth_deg) for view in Schedule((0.0, 30.0), (65.0, 205.0)).views()]
+        [(0.0, 65.0), (30.0, 65.0), (30.0, 205.0)]
+        """
         return [
             View(tilt, azimuth, size_px=self.size_px)
             for tilt in self.tilts_deg
@@ -114,6 +118,7 @@ def certify(
     edge_mm = None if pattern is None else pattern.size_mm
     scene = Scene(place(triangles, placement, edge_mm=edge_mm, behind=behind))
     panel = shared(decoders)
+    before = panel.losses
     if payload is None:
         payload = _agreed(scene, look, panel, schedule)
     right = accepted(payload)
@@ -133,11 +138,16 @@ def certify(
         )
         for name in panel.names
     }  # fmt: skip
-    worst, first = _telling(scene, views, look, read, panel.names, seed)
+    worst, first = _extremes(scene, views, look, read, panel.names, seed)
     inverted = pattern is not None and pattern.spec.tone == "inverted"
     light, dark = (look.ground, look.material) if inverted else (look.material, look.ground)
-    warning = contrast_warning(contrast(light, dark), inverted=inverted)
-    report = ScanReport(_text(payload), results, colours, worst, first, (), warning)
+    losses = panel.losses.since(before)
+    warnings = (
+        *contrast_warning(contrast(light, dark), inverted=inverted),
+        *(f"decoder {name} is left out: {reason}" for name, reason in panel.left_out.items()),
+        *losses.sentences(),
+    )
+    report = ScanReport(_text(payload), results, colours, worst, first, (), warnings, losses)
     return replace(report, advice=advice.sentences(report))
 
 
@@ -258,7 +268,7 @@ def _backgrounds(
     return rates
 
 
-def _telling(
+def _extremes(
     scene: Scene,
     views: Sequence[View],
     look: Look,
@@ -267,25 +277,23 @@ def _telling(
     seed: int,
 ) -> tuple[FilmedView | None, FilmedView | None]:
     """The steepest view that all frontal readers still read, and the first that one of them misses."""
-    readers = read[0]
+    frontal = read[0]
     worst: int | None = None
     first: int | None = None
     for k in np.argsort([view.tilt_deg for view in views], kind="stable"):
-        if readers and readers <= read[k]:
+        if frontal and frontal <= read[k]:
             worst = int(k)
         elif first is None:
             first = int(k)
 
-    def sight(k: int | None) -> FilmedView | None:
+    def filmed(k: int | None) -> FilmedView | None:
         if k is None:
             return None
-        missed = tuple(name for name in names if name not in read[k])
         picture = scene.photo(views[k], look, seed=_seed(seed, k, 0))
-        return FilmedView(
-            picture, views[k].tilt_deg, views[k].azimuth_deg, tuple(n for n in names if n in read[k]), missed
-        )
+        readers = tuple(name for name in names if name in read[k])
+        return FilmedView(picture, views[k].tilt_deg, views[k].azimuth_deg, readers)
 
-    return sight(worst), sight(first)
+    return filmed(worst), filmed(first)
 
 
 def _text(payload: str | bytes) -> str | None:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from perfqr_cad.scan.decoding.panel import Losses
+
 
 @dataclass(frozen=True)
 class DecoderResult:
@@ -65,7 +67,6 @@ class FilmedView:
     tilt_deg: float
     azimuth_deg: float
     read_by: tuple[str, ...]
-    missed_by: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,7 @@ class ScanReport:
     backgrounds   share of frontal scans read on each ground, over the decoders that read the part at all
     worst_read    the steepest view that every frontal reader still reads
     first_missed  the least steep view that one of them misses
+    losses        views missed because a decoder met its limit of computing, or crashed
     """
 
     payload: str | None
@@ -85,6 +87,7 @@ class ScanReport:
     first_missed: FilmedView | None = None
     advice: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    losses: Losses = field(default_factory=Losses)
 
     @property
     def readers(self) -> tuple[str, ...]:
@@ -107,15 +110,11 @@ class ScanReport:
                 for name, result in self.decoders.items()
             },
             "backgrounds": {name: round(rate, 4) for name, rate in self.backgrounds.items()},
+            "timeouts": self.losses.timeouts,
+            "crashes": self.losses.crashes,
             "advice": list(self.advice),
             "warnings": list(self.warnings),
         }
-
-    def heat_map(self) -> NDArray[np.uint8]:
-        """Decoders x tilts as a picture (H, W, 3): part on the left, flat print on the right."""
-        from perfqr_cad.scan.heatmap import draw
-
-        return draw(tuple(self.decoders.values()))
 
     def render(self) -> str:
         """The report as plain text."""

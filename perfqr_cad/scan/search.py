@@ -6,7 +6,7 @@ each value of the setting that weighs most; among those the panel has the last w
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from perfqr_cad.errors import PerfQRError
@@ -76,64 +76,76 @@ def improve(
     The start is returned when the panel reads it from every view up to the goal's tilt already, or when
     nothing is better.
     """
-    look = look or Look()
-    tried: dict[tuple[tuple[str, float], ...], Trial] = {}
-
-    def attempt(settings: Settings) -> Trial:
-        key = tuple(sorted(settings.items()))
-        if key not in tried:
-            tried[key] = _estimate(stage, settings, goal, look)
-        return tried[key]
-
-    first = _confirm(stage, attempt(start), goal, look)
+    trials = _Trials(stage, goal, look or Look(), weighs_most)
+    first = trials.confirmed(trials.attempt(start))
     if first.rate == 1.0:
         return first, (first,)
-    best = attempt(start)
+    best = trials.attempt(start)
     while True:
         round_start = best
         for name, values in choices.items():
             tell(f"scan tilt {goal.tilt_deg:g}°: {name}")
             for value in values:
-                trial = attempt({**best.settings, name: value})
+                trial = trials.attempt({**best.settings, name: value})
                 if trial.score > best.score + GAIN:
                     best = trial
         if best is round_start:
             break
-    rivals = _best_of_each(weighs_most, tried.values())
     # The first of equals wins: what is nearest to the start.
-    rivals.sort(key=lambda trial: abs(trial.settings[weighs_most] - start[weighs_most]))
-    confirmed = [_confirm(stage, trial, goal, look) for trial in rivals if trial.settings != first.settings]
+    rivals = sorted(trials.best, key=lambda trial: abs(trial.settings[weighs_most] - start[weighs_most]))
+    confirmed = [trials.confirmed(trial) for trial in rivals if trial.settings != first.settings]
     winner = max([first, *confirmed], key=lambda trial: trial.rate or 0.0)
-    return winner, (*tried.values(), first, *confirmed)
+    return winner, (*trials.tried, first, *confirmed)
 
 
-def _best_of_each(name: str, trials: Iterable[Trial]) -> list[Trial]:
-    """The trial with the best surrogate for every value of a setting."""
-    best: dict[float, Trial] = {}
-    for trial in trials:
-        value = trial.settings[name]
-        if trial.legibility is not None and (value not in best or trial.score > best[value].score):
-            best[value] = trial
-    return list(best.values())
+class _Trials:
+    """Every set of settings that was tried, and the scene of the best for each value of one setting."""
 
+    def __init__(self, stage: Stage, goal: Goal, look: Look, weighs_most: str) -> None:
+        self._stage, self._goal, self._look, self._weighs_most = stage, goal, look, weighs_most
+        self._tried: dict[tuple[tuple[str, float], ...], Trial] = {}
+        self._best: dict[float, tuple[Trial, Scene]] = {}
 
-def _estimate(stage: Stage, settings: Settings, goal: Goal, look: Look) -> Trial:
-    try:
-        scene = stage(settings)
-    except PerfQRError as error:
-        return Trial(dict(settings), None, problem=str(error))
-    return Trial(dict(settings), legibility(scene, goal.matrix, goal.module_mm, goal.tilt_deg, look=look))
+    @property
+    def tried(self) -> tuple[Trial, ...]:
+        """All trials in the order made."""
+        return tuple(self._tried.values())
 
+    @property
+    def best(self) -> list[Trial]:
+        """The trial with the best surrogate for every value of the setting that weighs most."""
+        return [trial for trial, _ in self._best.values()]
 
-def _confirm(stage: Stage, trial: Trial, goal: Goal, look: Look) -> Trial:
-    """Ask the panel: share of decoders x views that read the part at the goal's tilt and before it."""
-    if trial.legibility is None:
+    def attempt(self, settings: Settings) -> Trial:
+        """What the surrogate says of these settings; each set is asked for once."""
+        key = tuple(sorted(settings.items()))
+        if key not in self._tried:
+            self._tried[key] = self._estimate(settings)
+        return self._tried[key]
+
+    def _estimate(self, settings: Settings) -> Trial:
+        goal = self._goal
+        try:
+            scene = self._stage(settings)
+        except PerfQRError as error:
+            return Trial(dict(settings), None, problem=str(error))
+        found = legibility(scene, goal.matrix, goal.module_mm, goal.tilt_deg, look=self._look)
+        trial = Trial(dict(settings), found)
+        value = settings[self._weighs_most]
+        if value not in self._best or trial.score > self._best[value][0].score:
+            self._best[value] = trial, scene
         return trial
-    views = Schedule(tuple(share * goal.tilt_deg for share in SHARES), goal.azimuths_deg).views()
-    panel = shared(goal.decoders)
-    read = reads(
-        stage(trial.settings), views, look, accepted(goal.payload), panel,
-        frames=[PATIENCE] * len(views), step=f"scan tilt {goal.tilt_deg:g}°: the panel",
-    )  # fmt: skip
-    rate = sum(len(names) for names in read) / (len(views) * len(goal.decoders))
-    return Trial(trial.settings, trial.legibility, rate)
+
+    def confirmed(self, trial: Trial) -> Trial:
+        """One of `best` with the share of decoders x views that read it at the goal's tilt and before it."""
+        if trial.legibility is None:
+            return trial
+        goal = self._goal
+        _, scene = self._best[trial.settings[self._weighs_most]]
+        views = Schedule(tuple(share * goal.tilt_deg for share in SHARES), goal.azimuths_deg).views()
+        read = reads(
+            scene, views, self._look, accepted(goal.payload), shared(goal.decoders),
+            frames=[PATIENCE] * len(views), step=f"scan tilt {goal.tilt_deg:g}°: the panel",
+        )  # fmt: skip
+        rate = sum(len(names) for names in read) / (len(views) * len(goal.decoders))
+        return Trial(trial.settings, trial.legibility, rate)

@@ -44,11 +44,6 @@ class Legibility:
     ring: float
 
     @property
-    def misread(self) -> float:
-        """Share of modules on the wrong side."""
-        return float(np.mean(self.margins < 0))
-
-    @property
     def score(self) -> float:
         """One number to maximise: the 5 % weakest margins, and how far the rings stay closed."""
         weakest = float(np.quantile(self.margins, 0.05))

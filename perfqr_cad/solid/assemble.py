@@ -47,7 +47,7 @@ def build(
     """
     profile = Profile.of(pattern)
     if caption is not None:
-        letters = caption.below(pattern, placement.thickness_mm)
+        letters = caption.placed(pattern, placement.thickness_mm)
         profile = replace(profile, letters=letters, relief_mm=caption.relief_mm)
     return build_profile(profile, placement, walls, name=name, colour=colour, chord_mm=chord_mm)
 
@@ -74,7 +74,9 @@ def build_profile(
         placement.thickness_mm, walls, whole_circles=chart_of(placement).whole_circles
     )
     solid = _assembled(sections, placement, chord_mm)
-    return replace(solid, notes=notes, name=name, colour=colour)
+    return replace(
+        solid, notes=notes, name=name, colour=colour, letters=profile.letters, relief_mm=profile.relief_mm
+    )
 
 
 def back(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry import Region, Triangles
 from perfqr_cad.geometry.triangles import Corner
 from perfqr_cad.profile.colour import LIGHT, Colour
 from perfqr_cad.solid.tables.brep import Brep
@@ -26,6 +26,8 @@ class Solid:
     bbox_mm              least and greatest corner
     notes                what was made otherwise than asked, and why
     extras               further solids of the same part, such as a backing plate
+    letters              of a caption, in the pattern plane; they stand relief_mm out of the front, or, where
+                         that is below 0, are sunk into it
     """
 
     exact: Brep | TopoDS_Solid | None
@@ -42,6 +44,13 @@ class Solid:
     name: str = "perforated-qr"
     colour: Colour = LIGHT
     extras: tuple[Solid, ...] = ()
+    letters: tuple[Region, ...] = ()
+    relief_mm: float = 0.0
+
+    @property
+    def is_carved(self) -> bool:
+        """Whether it was carved into a body of the user's: there is more of it than the pattern."""
+        return not isinstance(self.exact, Brep)
 
     @cached_property
     def brep(self) -> Brep | None:

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.outline import Loop, Point
 from perfqr_cad.geometry.rings import following, numbering, owners, starts_of
 from perfqr_cad.profile.caps import FIRST, Cap
@@ -28,7 +27,7 @@ from perfqr_cad.solid.tables.brep import TOLERANCE_MM, Batch, Brep, CurveTable, 
 LOWER, END, UPPER, START = range(4)
 SIDES = 4
 
-Walk = tuple[Indices, NDArray[np.bool_]]  # rings of a loop, and which way each is gone through
+Walk = tuple[Indices, Mask]  # rings of a loop, and which way each is gone through
 
 
 def panel(sections: Sections, chart: Chart) -> Brep:
@@ -92,7 +91,7 @@ class LoopEdges:
     below: Indices
     vertex: Indices
     edge: Indices
-    owner: NDArray[np.bool_]
+    owner: Mask
     seam: dict[tuple[Point, Point], int]
 
     @staticmethod
@@ -184,7 +183,7 @@ class _Geometry:
     tolerance_mm: Array
     images: CurveTable
     surfaces: SurfaceTable
-    outward: NDArray[np.bool_]
+    outward: Mask
 
     @staticmethod
     def of(rings: LoopEdges, numbers: _Numbers, lofts: Sequence[Loft], chart: Chart) -> _Geometry:
@@ -210,7 +209,7 @@ class _Geometry:
         return _Geometry(_filled(curves), tolerance, _filled(images), _filled(surfaces), outward)
 
 
-def _caps(caps: Sequence[Cap], chart: Chart) -> tuple[SurfaceTable, NDArray[np.bool_]]:
+def _caps(caps: Sequence[Cap], chart: Chart) -> tuple[SurfaceTable, Mask]:
     """The surfaces of caps, and whether their own normals point out of the material."""
     by_depth: dict[float, list[int]] = {}
     for face, cap in enumerate(caps):

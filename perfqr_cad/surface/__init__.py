@@ -7,7 +7,7 @@ from perfqr_cad.geometry.triangles import Triangles
 from perfqr_cad.surface.cone import Cone
 from perfqr_cad.surface.heightfield import HeightField
 from perfqr_cad.surface.placement import Distortion, DistortionLimit, Placement
-from perfqr_cad.surface.plane import Plane
+from perfqr_cad.surface.plane import Plane, TurnedPlane
 from perfqr_cad.surface.revolved import Cylinder, Revolution, Revolved, Sphere
 
 __all__ = [
@@ -22,4 +22,5 @@ __all__ = [
     "Revolved",
     "Sphere",
     "Triangles",
+    "TurnedPlane",
 ]

@@ -68,6 +68,11 @@ class Placement(ABC):
         """Whether the front is a plane and the map an isometry of it."""
         return False
 
+    @property
+    def is_turned(self) -> bool:
+        """Whether the reader looks at the plate from below, so that its upper face is mirrored."""
+        return False
+
     @abstractmethod
     def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
         """Points (k, 3) that lie `depth_mm` behind the front at (k, 2) pattern points; the depth may vary."""

@@ -42,3 +42,23 @@ class Plane(Placement):
 
     def reach_mm(self) -> float:
         return math.inf
+
+
+@dataclass(frozen=True)
+class TurnedPlane(Plane):
+    """The same plate turned over about the y axis: the reader looks along +z at the face z = 0, and the face
+    z = thickness shows the code mirrored."""
+
+    @property
+    def is_turned(self) -> bool:
+        return True
+
+    def at_depth(self, uv: ArrayLike, depth_mm: ArrayLike) -> Array:
+        return super().at_depth(uv, depth_mm) * (-1.0, 1.0, -1.0) + (0.0, 0.0, self.thickness_mm)
+
+    def normal(self, uv: ArrayLike) -> Array:
+        return -super().normal(uv)
+
+    def tangents(self, at: Array, depth_mm: ArrayLike = 0.0) -> tuple[Array, Array]:
+        along_u, along_v = super().tangents(at, depth_mm)
+        return -along_u, along_v

@@ -1,4 +1,7 @@
-"""What every module of a QR code means (ISO/IEC 18004): tables, layout, encoding, correction, readability."""
+"""What every module of a QR code means (ISO/IEC 18004): tables, layout, encoding, correction, readability.
+
+Text, codewords and modules only: nothing here knows of pictures, millimetres or material.
+"""
 
 from perfqr_cad.symbol.drawing import Symbol, deinterleave, draw, extract
 from perfqr_cad.symbol.encoding import encode, free_codewords, interleave, with_best_mask, with_pads

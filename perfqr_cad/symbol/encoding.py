@@ -56,6 +56,10 @@ def encode(
     Text in byte mode is UTF-8; bytes stay as they are. Kanji mode must be asked for: it is the shortest
     for Japanese text, but OpenCV and WeChat hand out its Shift-JIS as if it were UTF-8. SymbolError when
     the message is empty or does not fit; it names the capacity and the version or level that fits.
+
+    >>> symbol = encode("HELLO", level="H")
+    >>> symbol.version, symbol.size, symbol.mask
+    (1, 21, 3)
     """
     level = check_level(level)
     segments = _segments(text, mode)
@@ -89,7 +93,11 @@ def with_best_mask(version: int, level: Level, codewords: bytes) -> Symbol:
 
 
 def free_codewords(symbol: Symbol) -> int:
-    """Data codewords after the terminator, at the end of `symbol.data`: they may hold anything."""
+    """Data codewords after the terminator, at the end of `symbol.data`: they may hold anything.
+
+    >>> free_codewords(encode("HELLO", version=2))
+    22
+    """
     used = -(-payload_of(symbol).used_bits // CODEWORD_BITS)
     return len(symbol.data) - used
 

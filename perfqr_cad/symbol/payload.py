@@ -71,7 +71,12 @@ class Payload:
 
 
 def payload_of(symbol: Symbol) -> Payload:
-    """Payload of a correct symbol. SymbolError when its data codewords are no message."""
+    """Payload of a correct symbol. SymbolError when its data codewords are no message.
+
+    >>> from perfqr_cad.symbol import encode
+    >>> payload_of(encode("grüezi")).text
+    'grüezi'
+    """
     return parse(symbol.data, symbol.version)
 
 

@@ -54,7 +54,14 @@ class Readability:
 
 
 def readability(observed: Matrix, symbol: Symbol) -> Readability:
-    """L(Q) of the modules seen, Q, against the correct symbol, Q₀. SymbolError when the sizes differ."""
+    """L(Q) of the modules seen, Q, against the correct symbol, Q₀. SymbolError when the sizes differ.
+
+    >>> from perfqr_cad.symbol import encode
+    >>> symbol = encode("HELLO", level="H")
+    >>> seen = readability(symbol.matrix.flipped([(20, 20)]), symbol)
+    >>> seen.errors, seen.capacity, round(seen.total, 4)
+    ((1,), (8,), 0.0156)
+    """
     _check_same_size(observed, symbol)
     at = layout(symbol.version, symbol.level)
     wrong = observed.dark ^ symbol.matrix.dark
@@ -174,13 +181,3 @@ class ReadabilityTracker:
         """The modules as they stand."""
         wrong = np.frombuffer(bytes(self._wrong), np.uint8).reshape(self._size, self._size)
         return Matrix(self.symbol.matrix.dark ^ wrong.astype(np.bool_))
-
-    def copy(self) -> ReadabilityTracker:
-        """An independent tracker in the same state."""
-        twin = object.__new__(ReadabilityTracker)
-        twin.__dict__.update(self.__dict__)
-        twin._wrong = bytearray(self._wrong)
-        twin._wrong_in_codeword = self._wrong_in_codeword.copy()
-        twin._wrong_in_region = self._wrong_in_region.copy()
-        twin._errors = self._errors.copy()
-        return twin

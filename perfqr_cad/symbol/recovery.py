@@ -52,6 +52,12 @@ def recover(observed: Matrix, *, log_likelihood: FloatArray | None = None) -> Re
 
     Every format within reach of its BCH code is tried, likeliest first. SymbolError names the blocks that
     have too many errors and the number that they can bear.
+
+    >>> from perfqr_cad.symbol import encode
+    >>> symbol = encode("HELLO", level="H")
+    >>> found = recover(symbol.matrix.flipped([(20, 20), (9, 9)]))
+    >>> found.symbol == symbol, found.errors, found.payload.text
+    (True, (2,), 'HELLO')
     """
     if log_likelihood is not None and log_likelihood.shape != observed.dark.shape:
         raise SymbolError(

@@ -113,7 +113,11 @@ def check_mask(mask: int) -> int:
 
 
 def size_of(version: int) -> int:
-    """Modules on one side: 17 + 4·version (§6.1)."""
+    """Modules on one side: 17 + 4·version (§6.1).
+
+    >>> size_of(1), size_of(40)
+    (21, 177)
+    """
     return 17 + 4 * check_version(version)
 
 
@@ -150,7 +154,11 @@ def encoding_modules(version: int) -> int:
 
 @cache
 def blocks(version: int, level: Level) -> Blocks:
-    """The block structure of a version and level (Table 9)."""
+    """The block structure of a version and level (Table 9).
+
+    >>> blocks(5, "Q").data, blocks(5, "Q").ec, blocks(5, "Q").capacity
+    ((15, 15, 16, 16), 18, 9)
+    """
     total = encoding_modules(version) // CODEWORD_BITS
     count = _BLOCKS[level][version - 1]
     ec = _EC_PER_BLOCK[level][version - 1]

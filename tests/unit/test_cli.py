@@ -11,6 +11,9 @@ import segno
 from PIL import Image
 
 from perfqr_cad.cli import main
+from perfqr_cad.errors import DesignError
+from perfqr_cad.pipeline.request import SETTINGS
+from perfqr_cad.pipeline.setting import GROUPS
 
 Run = Callable[..., tuple[int, str, str]]
 Refused = Callable[..., str]
@@ -160,3 +163,142 @@ def test_unknown_format_and_unwritable_folder(tmp_path: Path, refused: Refused) 
     file.write_text("")
     refused("make", TEXT, "-o", file / "part.step")
     refused("make", TEXT, "-o", "/proc/nowhere/part.step")
+
+
+LONG = "n" * 300
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("-P", "small"), "-P names a parameter set only together with -p FILE"),
+        (("-p", "sets.json"), "-p names a parameter set only together with -P NAME"),
+        (("--hole", "4", "--hole", "5", "--frame", "8"), "two diameters"),
+        (("--size", "40", "--size", "50"), "size is given twice"),
+        (("--size", "40", "-D", "size=50"), "size is given twice"),
+        (("-D", "size=40", "-D", "size=50"), "size is given twice"),
+        (("--text", "another"), "text is given twice"),
+        (("--image", "code.png"), "a text and a picture"),
+        (("-t", "bottle", "--frame", "3"), "template 'bottle' does not take 'frame'"),
+        (("-D", "siez=30"), "did you mean 'size'"),
+        (("-D", "version=2.5"), "version='2.5' is no whole number: give 1 to 40"),
+        (("-D", "quiet=2.5"), "no whole number"),
+        (("-D", "seed=0.5"), "no whole number"),
+        (("-D", "size=1" + "0" * 400), "is not a finite number"),
+        (("-D", "size={[]:1}"), "is no number"),
+        (("-D", "size=" + "-" * 5000 + "1"), "is no number"),
+        (("--caption", "x" * 20_000), "limit 500"),
+        (("--caption", "\u200b"), "of blanks alone"),
+        (("-D", f"{LONG}=1"), "does not take"),
+        (("-t", f"{LONG}.py"), "cannot read template"),
+        (("-t", LONG), "no template"),
+        (("-t", "/dev/zero"), "no template"),
+        (("-p", LONG, "-P", "x"), "cannot read parameter sets"),
+        (("--template-timeout", "0"), "CPU seconds above 0"),
+        (("--template-timeout", "nan"), "CPU seconds above 0"),
+    ],
+)
+def test_options_that_cannot_be_meant(
+    arguments: tuple[str, ...], says: str, folder: Path, refused: Refused
+) -> None:
+    assert says in refused("make", TEXT, *arguments, "-o", f"{folder}/")
+    assert left_behind(folder) == []
+
+
+@pytest.mark.parametrize("text", ["", " ", "\t\n", "\u200b\u00a0", "x" * 20_000, "\udcff"])
+def test_texts_that_are_none(text: str, folder: Path, refused: Refused) -> None:
+    assert "text" in refused("make", text, "-o", f"{folder}/")
+    assert left_behind(folder) == []
+
+
+@pytest.mark.parametrize(
+    ("outputs", "says"),
+    [
+        (("d/a.svg", "d/a.svg/"), "cannot be a file and a folder"),
+        (("a.svg", "a.svg/b.svg"), "cannot be a file and a folder"),
+        ((f"{LONG}.step",), "name too long"),
+        ((f"{LONG}/",), "name too long"),
+        ((f"{LONG}/a.svg",), "name too long"),
+    ],
+)
+def test_outputs_are_refused_before_the_work(
+    outputs: tuple[str, ...], says: str, tmp_path: Path, refused: Refused, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("perfqr_cad.catalog.Template.build", None)
+    words = [word for output in outputs for word in ("-o", f"{tmp_path}/{output}")]
+    assert says in refused("make", TEXT, *words)
+    assert left_behind(tmp_path) == []
+
+
+def test_a_folder_that_is_missing_is_made(tmp_path: Path, run: Run) -> None:
+    code, _, err = run("make", "HELLO", "--size", 40, "-o", tmp_path / "new" / "deeper" / "part.svg")
+    assert (code, err) == (0, "")
+    assert left_behind(tmp_path) == ["deeper", "new", "part.svg"]
+
+
+@pytest.mark.parametrize("text", ["1.50", "12E3", "1_000", "0x1F", "+42", "00.5", "true", " hi "])
+@pytest.mark.parametrize("door", ["argument", "--text", "-D", "-p"])
+def test_the_payload_is_the_text_letter_by_letter(text: str, door: str, tmp_path: Path) -> None:
+    sets = tmp_path / "sets.json"
+    sets.write_text(json.dumps({"parameterSets": {"s": {"text": text}}}))
+    words = {
+        "argument": [text],
+        "--text": ["--text", text],
+        "-D": ["-D", f"text={text}"],
+        "-p": ["-p", str(sets), "-P", "s"],
+    }[door]
+    assert asked(*words)["text"] == text
+
+
+def test_every_door_reads_a_setting_alike(tmp_path: Path) -> None:
+    sets = tmp_path / "sets.json"
+    sets.write_text(json.dumps({"parameterSets": {"s": {"size": "4e1", "own_weight": "true", "hole": "3"}}}))
+    by_option = asked("A", "--size", "4e1", "--own-weight", "--hole", "3")
+    assert by_option["size"] == 40
+    assert by_option == asked("A", "-D", "size=4e1", "-D", "own_weight=true", "-D", "hole=3")
+    assert by_option == asked("A", "-p", str(sets), "-P", "s")
+
+
+def test_what_is_given_by_name_beats_the_set(tmp_path: Path) -> None:
+    sets = tmp_path / "sets.json"
+    sets.write_text(json.dumps({"parameterSets": {"s": {"image": "code.png", "size": "30", "quiet": "2"}}}))
+    values = asked("A", "--size", "40", "-p", str(sets), "-P", "s")
+    assert (values["text"], values["image"], values["size"], values["quiet"]) == ("A", None, 40, 2)
+
+
+def asked(*arguments: str) -> dict[str, object]:
+    """The values that the plate would be built with."""
+    seen: list[dict[str, object]] = []
+
+    def keep(_: object, values: dict[str, object], **__: object) -> None:
+        seen.append(values)
+        raise DesignError("seen")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("perfqr_cad.catalog.Template.build", keep)
+        with pytest.raises(SystemExit):
+            main(["make", *arguments, "--json"])
+    return seen[0]
+
+
+def test_help_of_make_lists_every_setting_with_its_range(run: Run) -> None:
+    _, out, _ = run("make", "--help")
+    told = " ".join(out.split())
+    for declared in SETTINGS:
+        assert f" {declared.option} " in told
+        if declared.minimum is not None:
+            assert declared.wanted in told
+    for group in GROUPS:
+        assert f"{group}:" in out
+
+
+def test_the_schema_of_parameters(run: Run) -> None:
+    code, out, _ = run("params", "plate", "--schema")
+    assert code == 0
+    size = json.loads(out)["properties"]["size"]
+    assert (size["type"], size["minimum"], size["maximum"], size["unit"]) == (
+        ["number", "null"],
+        1,
+        10_000,
+        "mm",
+    )

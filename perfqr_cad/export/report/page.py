@@ -77,7 +77,7 @@ def _views(design: DesignView) -> str:
     counts = Counter(bridge.stage for bridge in design.pattern.bridges)
     stages = "; ".join(f"{count} for {STAGE_TEXT[stage]}" for stage, count in sorted(counts.items()))
     caption = f"The pattern. Bridges: {stages or 'none'}"
-    plan = svg.drawing(design.pattern, title=design.solid.name, bridges=True)
+    plan = svg.drawing(design, bridges=True)
     inline = plan[plan.index("<svg") :]
     return (
         f'<div class="pair">{markup.figure(picture, "The part")}\n'

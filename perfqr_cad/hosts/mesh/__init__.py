@@ -3,7 +3,7 @@
 Meshes come from files or memory and leave as meshes. What is exact is made in `hosts/step` from the panel.
 """
 
+from perfqr_cad.geometry.mesh_files import read_mesh
 from perfqr_cad.hosts.mesh.mesh_target import MeshTarget
-from perfqr_cad.hosts.mesh.reader import read_mesh
 
 __all__ = ["MeshTarget", "read_mesh"]

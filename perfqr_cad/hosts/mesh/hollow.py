@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry import Triangles
-from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.geometry.arrays import Array, Mask
 from perfqr_cad.hosts.body import Body, body_of_mesh
 from perfqr_cad.hosts.manifold import manifold_of, triangles_of
 
@@ -64,7 +64,7 @@ def _depths(body: Body, low: Array, extent: Array, cell: float, wanted_mm: float
     return depth
 
 
-def _inside(body: Body, low: Array, counts: NDArray[np.int64], cell: float) -> NDArray[np.bool_]:
+def _inside(body: Body, low: Array, counts: NDArray[np.int64], cell: float) -> Mask:
     """Which grid nodes lie inside: parity of crossings along columns in z."""
     x, y = (
         a.ravel()

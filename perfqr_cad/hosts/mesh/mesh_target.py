@@ -70,18 +70,14 @@ class MeshTarget:
     @cached_property
     def outer(self) -> Triangles:
         """The mended, scaled body. Raises `KernelError` or `DesignError` for what cannot be mended."""
-        from perfqr_cad.hosts.mesh.reader import read_mesh
+        from perfqr_cad.hosts.mesh.reader import read_body, scaled
         from perfqr_cad.hosts.mesh.repair import mend
 
         if self.mesh is None and not self.path:
             raise DesignError("no mesh is given: name an STL, OBJ, PLY, OFF or 3MF file")
-        raw = self.mesh if self.mesh is not None else read_mesh(str(self.path))
-        factor = self.scale
-        if self.extent_mm is not None:
-            factor *= self.extent_mm / float(np.ptp(raw.vertices, axis=0).max() * self.scale)
-        if not (np.isfinite(factor) and factor > 0):
-            raise DesignError(f"scale {factor:g} is not above 0: give the longest edge in mm, or a factor")
-        return mend(Triangles(raw.vertices * factor, raw.faces), self.part)
+        if self.mesh is None:
+            return read_body(str(self.path), self.scale, self.extent_mm, self.part)
+        return mend(scaled(self.mesh, self.scale, self.extent_mm), self.part)
 
     @cached_property
     def body(self) -> Body:

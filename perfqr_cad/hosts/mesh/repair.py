@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
 from perfqr_cad.geometry import Triangles
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.triangles import directed_edges
 from perfqr_cad.hosts.body import weld
@@ -37,6 +36,7 @@ def mend(mesh: Triangles, part: int | None = None) -> Triangles:
     diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     welded, _ = weld(mesh.vertices, mesh.faces, WELD_SHARE * diagonal)
     faces = _without_doubles(welded)
+    _require_triangles(faces)
     _refuse_branches(faces)
     vertices, faces = _filled(welded.vertices, faces, FILL_SHARE * diagonal)
     _refuse_branches(faces)
@@ -54,6 +54,12 @@ def _without_doubles(mesh: Triangles) -> Indices:
     """Triangles with distinct corner sets."""
     _, first = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True)
     return mesh.faces[np.sort(first)]
+
+
+def _require_triangles(faces: Indices) -> None:
+    """Raises `KernelError` where none are left."""
+    if not len(faces):
+        raise KernelError("the mesh encloses no volume: export a body, not flat sheets")
 
 
 def _rims(faces: Indices) -> Indices:
@@ -140,6 +146,7 @@ def _consistent(faces: Indices) -> Indices:
 
 def _bodies(mesh: Triangles) -> list[Triangles]:
     """Closed bodies, greatest first, each with the cavities inside it, without dust."""
+    _require_triangles(mesh.faces)
     edges = np.sort(directed_edges(mesh.faces), axis=1)
     # Every edge has two triangles by now. Surfaces that share a mere vertex stay apart.
     pairs = np.lexsort(edges.T).reshape(-1, 2) // 3
@@ -158,7 +165,7 @@ def _bodies(mesh: Triangles) -> list[Triangles]:
     return [solid[k].joined(*own) if own else solid[k] for k, own in cavities.items()]
 
 
-def _compact(mesh: Triangles, chosen: NDArray[np.bool_]) -> Triangles:
+def _compact(mesh: Triangles, chosen: Mask) -> Triangles:
     used, index = np.unique(mesh.faces[chosen], return_inverse=True)
     return Triangles(mesh.vertices[used], index.reshape(-1, 3))
 
@@ -218,7 +225,7 @@ def self_crossings(mesh: Triangles) -> int:
     return int(pierced.sum())
 
 
-def _pierces(mesh: Triangles, triangle: Indices, start: Array, span: Array) -> NDArray[np.bool_]:
+def _pierces(mesh: Triangles, triangle: Indices, start: Array, span: Array) -> Mask:
     """Whether segments cross triangles, strictly inside both.
 
     Möller and Trumbore in double precision; the ray caster's single precision only proposes.

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError, KernelError
-from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.geometry.arrays import Array, Mask
 from perfqr_cad.geometry.outline import Loop
 from perfqr_cad.hosts.cutters import carved_mesh
 from perfqr_cad.hosts.host_placement import HostPlacement, Projected
@@ -241,7 +241,7 @@ def _edges_under(
     return found
 
 
-def _runs(mask: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
+def _runs(mask: Mask) -> list[NDArray[np.int64]]:
     """The places of true entries, parted where they are not consecutive."""
     index = np.flatnonzero(mask)
     return np.split(index, np.flatnonzero(np.diff(index) > 1) + 1) if len(index) else []

@@ -7,10 +7,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.geometry.arrays import Array, Mask
 
 if TYPE_CHECKING:
     from OCP.Geom import Geom_Surface
@@ -137,7 +136,7 @@ class ExactFace:
             )
         return self._all(met, uv, points, guesses)
 
-    def _all(self, met: NDArray[np.bool_], uv: Array, points: Array, guesses: Array) -> tuple[Array, Array]:
+    def _all(self, met: Mask, uv: Array, points: Array, guesses: Array) -> tuple[Array, Array]:
         """What was met, once all is. Raises `KernelError` with the first place where the surface was lost."""
         if not met.all():
             where = ", ".join(f"{x:.3f}" for x in guesses[np.argmin(met)])
@@ -146,7 +145,7 @@ class ExactFace:
 
     def _newton(
         self, origins: Array, frames: Array, start: Array, guesses: Array, reach_mm: float
-    ) -> tuple[Array, Array, NDArray[np.bool_]]:
+    ) -> tuple[Array, Array, Mask]:
         """Parameters, points, and which of them lie on their line and near their guess."""
         uv, points = start.astype(float), np.full_like(guesses, np.inf)
         met = np.zeros(len(uv), bool)

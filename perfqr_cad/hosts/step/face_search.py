@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.arrays import Array
 from perfqr_cad.hosts.frame import Frame, frame_at
 from perfqr_cad.hosts.place import (
     PlaceRequest,
@@ -143,7 +144,7 @@ class FaceSearch(PlaceSearch):
         found = (self.host.frame_near(index, point, self.wanted.up) for point in points)
         return next((frame for frame in found if frame is not None), None)
 
-    def _from_the_middle(self, index: int) -> tuple[np.ndarray, list[Spot]]:
+    def _from_the_middle(self, index: int) -> tuple[Array, list[Spot]]:
         """The middle (3,) of a face's spots, and these, the nearest to it first."""
         spots = self.sampled(CANDIDATES, [index])
         points = np.array([spot.point for spot in spots])

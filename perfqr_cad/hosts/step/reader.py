@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.mesh_files import require_size
+from perfqr_cad.hosts.step.host import Host
+from perfqr_cad.isolated import Message
 from perfqr_cad.solid.kernel import booleans as kernel
-from perfqr_cad.solid.step.reader import StepPart, read_step
+from perfqr_cad.solid.step.envelope import ask
+from perfqr_cad.solid.step.reader import parts_of, read_step
+from perfqr_cad.solid.step.transfer import StepPart, packed, unpacked
 
 LISTED_NAMES = 12  # names shown in a message before "…"
 
@@ -18,13 +24,30 @@ def read_part(path: str | Path, part: str | int | None = None) -> StepPart:
     Raises `KernelError` for a file that cannot be read, holds no closed body or an invalid one, and
     `DesignError` listing the names when there are several solids and `part` does not choose one.
     """
-    chosen = _chosen(read_parts(path), part, Path(path).name)
-    return replace(chosen, shape=kernel.sound(chosen.shape, chosen.name))
+    (chosen,) = unpacked(ask(f"{__name__}:part_reader", path, part))
+    return chosen
+
+
+def part_reader(name: str, part: str | int | None) -> Callable[[Message], Message]:
+    """The job of a process: a file's bytes are answered by its part, meshed."""
+
+    def answer(request: Message) -> Message:
+        chosen = _chosen(named(parts_of(request.arrays[0].tobytes(), name)), part, name)
+        host = Host(chosen.name, kernel.sound(chosen.shape, chosen.name))
+        require_size(host.body.triangles.vertices, name)
+        return packed([replace(chosen, shape=host.shape)])
+
+    return answer
 
 
 def read_parts(path: str | Path) -> tuple[StepPart, ...]:
     """All solids of a STEP file in file order, equal names numbered so that each can be chosen."""
-    parts = [replace(part, name=part.name or "part") for part in read_step(path)]
+    return named(read_step(path))
+
+
+def named(found: Sequence[StepPart]) -> tuple[StepPart, ...]:
+    """Parts with names, equal ones numbered."""
+    parts = [replace(part, name=part.name or "part") for part in found]
     names = [part.name for part in parts]
     return tuple(
         replace(part, name=f"{part.name} {names[: i + 1].count(part.name)}")

@@ -1,4 +1,5 @@
 """The integer lattice on which a pattern is drawn: which cells are solid, their boundaries and corners.
 
-Nothing here knows of bridges or of millimetres.
+A `Canvas` is a lattice with the bridges painted on it so far; `brightness` is how a reader sees its modules.
+Which bridges are painted is decided in `joining`.
 """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -133,7 +132,7 @@ class Canvas:
     def with_slanted(self, bridge: Bridge) -> Canvas:
         """A bar at any angle, with half its width more at both ends so that it is held by what it joins."""
         solid = self.solid.copy()
-        paint_strip(solid, [self.lattice.from_mm(point) for point in strip(bridge)])
+        paint_strip(solid, [self.lattice.from_mm(point) for point in bridge.overlapping().corners()])
         return replace(
             self,
             lattice=self.lattice.with_solid(solid),
@@ -176,21 +175,6 @@ def paint_strip(solid: Cells, corners: Sequence[tuple[float, float]], value: boo
     fixed = np.rint((points - low) * (1 << SUBCELL_BITS)).astype(np.int32)
     cv2.fillConvexPoly(canvas, fixed, int(value), shift=SUBCELL_BITS)
     window[:] = canvas
-
-
-def strip(bridge: Bridge) -> list[tuple[float, float]]:
-    """The four corners, mm, of a slanting bridge with its overlap of half a width at both ends."""
-    (x0, y0), (x1, y1) = bridge.start, bridge.end
-    length = math.dist(bridge.start, bridge.end)
-    ux, uy = ((x1 - x0) / length, (y1 - y0) / length) if length > 0 else (1.0, 0.0)
-    h = bridge.width_mm / 2
-    x0, y0, x1, y1 = x0 - ux * h, y0 - uy * h, x1 + ux * h, y1 + uy * h
-    return [
-        (x0 + uy * h, y0 - ux * h),
-        (x1 + uy * h, y1 - ux * h),
-        (x1 - uy * h, y1 + ux * h),
-        (x0 - uy * h, y0 + ux * h),
-    ]
 
 
 def _without(solid: Cells, cells: Cells) -> Cells:

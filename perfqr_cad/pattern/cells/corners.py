@@ -45,22 +45,16 @@ def link_corners(
 
 def _superfluous(canvas: Canvas) -> set[tuple[int, int]]:
     """Corners, x and y, between pieces that other corners join."""
-    labels, _ = label(canvas.upright)
-    leader: dict[int, int] = {}
+    from scipy.cluster.hierarchy import DisjointSet
 
-    def find(piece: int) -> int:
-        while leader.setdefault(piece, piece) != piece:
-            leader[piece] = piece = leader[leader[piece]]
-        return piece
-
+    labels, count = label(canvas.upright)
+    pieces = DisjointSet(range(count + 1))
     spare: set[tuple[int, int]] = set()
     for x, y in checkerboards(canvas.upright).tolist():
         falling = bool(canvas.upright[y - 1, x - 1])
         one, other = (labels[y - 1, x - 1], labels[y, x]) if falling else (labels[y - 1, x], labels[y, x - 1])
-        a, b = find(int(one)), find(int(other))
-        if a == b:
+        if not pieces.merge(int(one), int(other)):
             spare.add((x, y))
-        leader[a] = b
     return spare
 
 

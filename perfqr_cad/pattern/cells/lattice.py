@@ -91,7 +91,7 @@ def cells_per_module(scale: int) -> int:
     return step * math.ceil((LEAST_CELLS_PER_MODULE if scale == 1 else LEAST_CELLS_OF_ART) / step)
 
 
-def draw(material: Cells, scale: int, quiet: int, module_mm: float, frame: bool) -> Lattice:
+def rasterised(material: Cells, scale: int, quiet: int, module_mm: float, frame: bool) -> Lattice:
     """The lattice of (n·scale, n·scale) samples of material; the quiet zone is solid when `frame`."""
     u = cells_per_module(scale)
     n = material.shape[0] // scale

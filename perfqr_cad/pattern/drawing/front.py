@@ -36,7 +36,7 @@ def regions(outers: Sequence[Loop], holes: Sequence[Loop]) -> tuple[Region, ...]
     return tuple(reversed(found))
 
 
-def joined(front: Sequence[Region], bars: Sequence[Bridge]) -> Region:
+def front_with_bars(front: Sequence[Region], bars: Sequence[Bridge]) -> Region:
     """The front with its recessed bars as material. DesignError when that is not one piece."""
     loops = [loop for region in front for loop in region.loops]
     outers = [region.outer for region in front]

@@ -38,7 +38,7 @@ def shaped_modules(symbol: Symbol) -> Cells:
     return symbol.matrix.dark & (roles != Role.FINDER) & (roles != Role.ALIGNMENT)
 
 
-def shapes(symbol: Symbol, spec: PatternSpec, lattice: Lattice) -> tuple[Loop, ...]:
+def style_holes(symbol: Symbol, spec: PatternSpec, lattice: Lattice) -> tuple[Loop, ...]:
     """The holes of a style, clockwise, in mm."""
     m = lattice.module_mm
     half_mm = min(FULLEST * m, (m - spec.web_mm) / 2)

@@ -1,4 +1,4 @@
 """How many pieces become one: rings of finder patterns, routes between islands, the choice among them.
 
-Cells in, bridges out; outlines are drawn elsewhere.
+A canvas comes in and goes out with more bridges; outlines are drawn elsewhere.
 """

@@ -31,7 +31,7 @@ CLEAR = 0.4  # modules from the corner of the light ring to the near edge of a r
 # for alignment patterns by such walks too (CenterOfRing in its ConcentricFinder.cpp): pinched where they can
 # be, 96 instead of 85 % of the views at 40° are read (1.2 mm, six texts). On the upper finders a pinch costs
 # more than a light bar: 12 % are read at 20°.
-PINCH_REACH = 1.0  # modules by which the pinch of a slot outreaches its recessed bar
+PINCHED = 2.9  # modules from the corner that a pinch spans at least; 2.7 to 3.3 do alike
 PLACES: tuple[tuple[Side, bool], ...] = (  # side, and whether by its far end; the top and left before others
     ("top", False),
     ("left", False),
@@ -62,11 +62,13 @@ class RingBar:
     """A bar's centre line in modules of the symbol (x right, y down from its top left), from outside in.
 
     pinch  x or y, from and to, between which the slot before it is narrowed; None: nowhere
+    width  in modules, of a recessed bar
     """
 
     start: tuple[float, float]
     end: tuple[float, float]
     pinch: tuple[float, float] | None = None
+    width: float = 0.0
 
 
 def rings(version: int) -> list[Ring]:
@@ -102,14 +104,22 @@ def recessed_bars(ring: Ring, width: float, clear: float, solid: Solid, pinched:
 
     clear  modules of straight edge beyond the bar, `CLEAR` or more
     """
-    modules = range(
-        0 if pinched else 1, math.ceil(FLUSH + clear + width + (PINCH_REACH if pinched else clear))
-    )
+    reach = FLUSH + clear + width + clear
+    modules = range(math.ceil(max(PINCHED, reach))) if pinched else range(1, math.ceil(reach))
     places = sorted(PLACES, key=lambda place: place[0] != "left") if pinched else PLACES
     return [
         _recessed(ring, side, far, width, clear, pinched)
         for side, far in places
         if all(solid(*_outside(ring, side, ring.size - 1 - k if far else k)) for k in modules)
+    ]
+
+
+def paired_bars(ring: Ring, width: float, clear: float, solid: Solid) -> list[list[RingBar]]:
+    """Where two bars behind the face may lie by both ends of one side, the best side first."""
+    return [
+        [_recessed(ring, side, far, width, clear, False) for far in (False, True)]
+        for side, far in PLACES
+        if not far and all(solid(*_outside(ring, side, k)) for k in range(1, ring.size - 1))
     ]
 
 
@@ -123,24 +133,29 @@ def recessed_core_bar(ring: Ring, width: float, clear: float) -> RingBar:
     return _recessed(ring.inset(1), "left", False, width, clear, pinched=True)
 
 
-def _bar(ring: Ring, side: Side, along: float, pinch: tuple[float, float] | None = None) -> RingBar:
+def _bar(
+    ring: Ring, side: Side, along: float, pinch: tuple[float, float] | None = None, width: float = 0.0
+) -> RingBar:
     """A bar across one side, `along` it from its upper or left end."""
     top, left = float(ring.row), float(ring.column)
     outer, inner = (0.0, 1.0) if side in ("top", "left") else (float(ring.size), ring.size - 1.0)
     if side in ("top", "bottom"):
-        return RingBar((left + along, top + outer), (left + along, top + inner), pinch)
-    return RingBar((left + outer, top + along), (left + inner, top + along), pinch)
+        return RingBar((left + along, top + outer), (left + along, top + inner), pinch, width)
+    return RingBar((left + outer, top + along), (left + inner, top + along), pinch, width)
 
 
 def _recessed(ring: Ring, side: Side, far: bool, width: float, clear: float, pinched: bool) -> RingBar:
-    """A bar behind the face near an end of one side; pinched from that end to a module beyond the bar."""
+    """A bar behind the face near an end of one side; pinched from that end to beyond the bar."""
     middle = FLUSH + clear + width / 2
+    reach, end = max(PINCHED, middle + width / 2 + clear), ring.size
+    pinch = _along(ring, side, *((end - reach, end) if far else (0, reach))) if pinched else None
+    return _bar(ring, side, end - middle if far else middle, pinch, width)
+
+
+def _along(ring: Ring, side: Side, start: float, end: float) -> tuple[float, float]:
+    """A stretch of a side, from its upper or left end, in modules of the symbol."""
     first = ring.column if side in ("top", "bottom") else ring.row
-    last, reach = first + ring.size, middle + width / 2 + PINCH_REACH
-    pinch = None
-    if pinched:
-        pinch = (last - reach, last) if far else (first, first + reach)
-    return _bar(ring, side, ring.size - middle if far else middle, pinch)
+    return first + start, first + end
 
 
 def _outside(ring: Ring, side: Side, k: int) -> tuple[int, int]:

@@ -10,15 +10,13 @@ Junctions that share no edge of the tree on their ways do not touch each other: 
 from __future__ import annotations
 
 import math
-import time
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
-from perfqr_cad.pattern.joining.spanning import PRICE_TOL, Forest, Link, kruskal, proved
-from perfqr_cad.pattern.pattern import Optimality
+from perfqr_cad.pattern.joining.spanning import SOLVER_TOL, Link, Optimality, disjoint, kruskal, proved, unite
 
 LARGEST_BLOCK = 24  # junctions that branch and bound sorts out in a moment; of more, so many at a time
 
@@ -62,7 +60,6 @@ class Choice(NamedTuple):
 
 def cheapest_without_loss(pairs: Sequence[Link], stars: Sequence[Link]) -> tuple[list[int], Optimality]:
     """Indices into pairs + stars of the cheapest choice, and the proof."""
-    began = time.perf_counter()
     links = [*pairs, *stars]
     tree = {k: Edge(pairs[k].islands[0], pairs[k].islands[1], pairs[k].price) for k in kruskal(pairs)}
     junctions = [Junction(k, star.islands, star.price) for k, star in enumerate(stars, start=len(pairs))]
@@ -71,7 +68,7 @@ def cheapest_without_loss(pairs: Sequence[Link], stars: Sequence[Link]) -> tuple
     usable = [*range(len(pairs)), *choice.taken]
     chosen = kruskal([links[k] for k in usable], taken=range(len(pairs), len(usable)))
     result = sorted(usable[k] for k in chosen)
-    return result, proved(sum(links[k].price for k in result), whole - choice.most, began)
+    return result, proved(sum(links[k].price for k in result), whole - choice.most)
 
 
 def _best(tree: Edges, junctions: Sequence[Junction]) -> Choice:
@@ -94,7 +91,7 @@ def _best_of_block(tree: Edges, block: Sequence[Offer]) -> Choice:
     others = [offer.junction for offer in block if offer is not pivot]
     rest = _best(*_contracted(tree, others, pivot))
     found = Choice(pivot.gain + rest.gain, pivot.gain + rest.most, (pivot.junction.number, *rest.taken))
-    if sum(offer.gain for offer in block if offer is not pivot) <= found.gain + PRICE_TOL:
+    if sum(offer.gain for offer in block if offer is not pivot) <= found.gain + SOLVER_TOL:
         return found
     other = _best(tree, others)
     return max(found, other, key=lambda choice: choice.gain)._replace(most=max(found.most, other.most))
@@ -133,18 +130,18 @@ def _contracted(tree: Edges, junctions: Sequence[Junction], taken: Offer) -> tup
 
 def _blocks(offers: Sequence[Offer]) -> list[list[Offer]]:
     """Offers put together that share an edge on their ways."""
-    forest = Forest(range(len(offers)))
+    alike = disjoint(range(len(offers)))
     holder: dict[int, int] = {}
     for number, offer in enumerate(offers):
         for k in offer.ways:
-            forest.join((holder.setdefault(k, number), number))
+            alike.merge(holder.setdefault(k, number), number)
     blocks: dict[int, list[Offer]] = defaultdict(list)
     for number, offer in enumerate(offers):
-        blocks[forest.find(number)].append(offer)
+        blocks[alike[number]].append(offer)
     return list(blocks.values())
 
 
-def _offers(tree: Edges, junctions: Sequence[Junction], least: float = PRICE_TOL) -> list[Offer]:
+def _offers(tree: Edges, junctions: Sequence[Junction], least: float = SOLVER_TOL) -> list[Offer]:
     """What each junction offers, of those that gain more than the least."""
     up, depth = _rooted(tree)
     offers: list[Offer] = []
@@ -156,14 +153,13 @@ def _offers(tree: Edges, junctions: Sequence[Junction], least: float = PRICE_TOL
                     a, b = b, a
                 a, k = up[a]
                 ways.add(k)
-        joined = Forest(i for k in ways for i in tree[k][:2])
+        joined = disjoint(island for k in ways for island in tree[k][:2])
         if ways:
-            joined.join(junction.islands)
+            unite(joined, junction.islands)
         replaced: list[int] = []
         for k in sorted(ways, key=lambda k: (tree[k].price, k)):
-            if joined.find(tree[k].a) == joined.find(tree[k].b):
+            if not joined.merge(tree[k].a, tree[k].b):
                 replaced.append(k)
-            joined.join(tree[k][:2])
         gain = sum(tree[k].price for k in replaced) - junction.price
         if gain > least:
             offers.append(Offer(junction, frozenset(ways), frozenset(replaced), gain))

@@ -1,10 +1,9 @@
 """The paper's own connectivity optimisation (§5.1, Eq. (4), Fig. 8): the baseline of every comparison.
 
 Points p on the contour of each island look out in a fan of directions; what they see first, q, is a
-candidate.
-From an island picked at random the piece grows: each time the cheapest of λ·L(Q) + ‖p − q‖² is laid, and Q
-is sampled again. The paper names no unit of length; here it is the edge of the symbol, so that both terms lie
-between 0 and 1 and λ = 1 weighs them alike.
+candidate. From an island picked at random the piece grows: each time the cheapest of λ·L(Q) + ‖p − q‖² is
+laid, and Q is sampled again. The paper names no unit of length; here it is the edge of the symbol, so that
+both terms lie between 0 and 1 and λ = 1 weighs them alike.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.pattern.bridge import Bridge
 from perfqr_cad.pattern.cells.brightness import sampled, solid_part
-from perfqr_cad.pattern.cells.canvas import Canvas, paint_strip, strip
+from perfqr_cad.pattern.cells.canvas import Canvas, paint_strip
 from perfqr_cad.pattern.cells.corners import paint_band
 from perfqr_cad.pattern.cells.lattice import Cells, Labels, label
 from perfqr_cad.symbol import Matrix, ReadabilityTracker, Symbol
@@ -209,7 +208,7 @@ class _Work:
             y0, y1 = (py - half, py + half) if along_x else (min(py, qy) - width, max(py, qy) + width)
             cells[max(y0 - top, 0) : max(y1 - top, 0), max(x0 - left, 0) : max(x1 - left, 0)] = True
             return False
-        corners = [lattice.from_mm(point) for point in strip(self._bridge(sight, 0.0))]
+        corners = [lattice.from_mm(point) for point in self._bridge(sight, 0.0).overlapping().corners()]
         paint_strip(cells, [(x - left, y - top) for x, y in corners])
         return True
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -12,12 +13,14 @@ from perfqr_cad.pattern.cells.canvas import Bar, Canvas, Rect
 from perfqr_cad.pattern.cells.lattice import Cells
 from perfqr_cad.pattern.joining.finder import (
     CLEAR,
+    FLUSH,
     Ring,
     RingBar,
     Solid,
     core_bar,
     is_located,
     is_traced,
+    paired_bars,
     recessed_bars,
     recessed_core_bar,
     ring_bars,
@@ -36,7 +39,12 @@ SLOT = 0.42
 # 2 mm 92/100/100/96 % with 0.34 (0.7 mm), 100/100/96/79 % with 0.25; of 3 mm 50 % at 20° with 0.42 (1.3 mm),
 # 83 % with 0.34, 100 % with 0.25 (0.75 mm). Less than a quarter of a module is not seen: 50 % with 0.17.
 DARK_MM = 0.6
-LEAST_SLOT = 0.25
+LEAST_SLOT_MODULES = 0.25
+# Modules that a bar on a finder is wide. In the shade of a slot a wide bar is as dark as a narrow one, and an
+# upper ring may be broken once anyhow; beyond three of seven modules from the corner a pinch meets the
+# 1:1:3:1:1 line. In modules over 1.6 mm a wide bar is seen as wide, and 2.4 mm are enough. docs/pattern.md.
+WIDE = 1.5
+WIDE_MM = 2.4
 
 
 class _Slot(NamedTuple):
@@ -54,10 +62,9 @@ def tie_rings(canvas: Canvas, symbol: Symbol, spec: PatternSpec) -> Canvas:
     slots: list[_Slot] = []
     flush: list[RingBar] = []
     for ring in rings(symbol.version):
-        if spec.finder == "recessed" and (slot := _recess(canvas, ring, symbol.version, spec)) is not None:
-            slots.append(slot)
-        else:
-            flush += _flush(canvas, ring, spec)
+        found = _recess(canvas, ring, symbol.version, spec) if spec.finder == "recessed" else ()
+        slots += found
+        flush += [] if found else _flush(canvas, ring, spec)
     canvas = canvas.with_solid([slot.bank for slot in slots if slot.bank is not None])
     for pinched in (False, True):
         bars = [[slot.bar] for slot in slots if (slot.bank is not None) == pinched]
@@ -107,21 +114,39 @@ def front_cells(canvas: Canvas) -> Cells:
     return cells
 
 
-def _recess(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> _Slot | None:
-    """A bar behind the face that holds a ring; None where the banks do not allow one."""
-    traced = is_traced(ring, version)
-    fine, web = (_modules(canvas, width_mm) for width_mm in (spec.line_mm, spec.web_mm))
+def _recess(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> Sequence[_Slot]:
+    """The slots of the bars behind the face that hold a ring; none where the banks do not allow them."""
+    for bars in _recessed(canvas, ring, version, spec):
+        slots = [slot for bar in bars if (slot := _slot(canvas, bar, spec)) is not None]
+        if len(slots) == len(bars):
+            return slots
+    return ()
+
+
+def _recessed(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> Iterator[list[RingBar]]:
+    """Sets of bars behind the face that would hold a ring, the best first."""
+    traced, located = is_traced(ring, version), is_located(ring)
+    web = _modules(canvas, spec.web_mm)
+    line = web if spec.bar_width_mm is None else _modules(canvas, spec.bar_width_mm)
     clear = max(CLEAR, canvas.lattice.whole(spec.gap_mm) / canvas.lattice.per_module)
-    bars: list[tuple[RingBar, float]] = []
     if spec.tone == "inverted":
-        bars += [(recessed_core_bar(ring, fine, clear), fine)] if traced else []
-    else:
-        material = _material(canvas)
-        if traced or is_located(ring):
-            bars += [(bar, fine) for bar in recessed_bars(ring, fine, clear, material, pinched=True)]
-        if not traced:
-            bars += [(bar, web) for bar in recessed_bars(ring, web, clear, material, pinched=False)]
-    return next(filter(None, (_slot(canvas, bar, width, spec) for bar, width in bars)), None)
+        yield from [[recessed_core_bar(ring, line, clear)]] if traced else []
+        return
+    material = _material(canvas)
+    wide = max(web, min(WIDE, _modules(canvas, WIDE_MM))) if spec.bar_width_mm is None else line
+    if spec.bars > 1 and traced:  # in a pinched slot two bars are one: it is dark all along
+        both = min(2 * wide, ring.size - 2 * (FLUSH + clear))
+        yield from ([bar] for bar in recessed_bars(ring, both, clear, material, pinched=True))
+    elif spec.bars > 1 and not located:
+        yield from paired_bars(ring, max(wide, web), clear, material)
+    if not located:
+        yield from (
+            [bar] for bar in recessed_bars(ring, wide if traced else max(wide, web), clear, material, traced)
+        )
+    if traced or located:
+        yield from ([bar] for bar in recessed_bars(ring, line, clear, material, pinched=True))
+    if not traced:
+        yield from ([bar] for bar in recessed_bars(ring, max(line, web), clear, material, pinched=False))
 
 
 def _flush(canvas: Canvas, ring: Ring, spec: PatternSpec) -> list[RingBar]:
@@ -165,11 +190,11 @@ def _with_flush(canvas: Canvas, chosen: list[RingBar], spec: PatternSpec) -> Can
     return canvas.with_bars([[bar] for bar in upright], "function")
 
 
-def _slot(canvas: Canvas, bar: RingBar, width: float, spec: PatternSpec) -> _Slot | None:
+def _slot(canvas: Canvas, bar: RingBar, spec: PatternSpec) -> _Slot | None:
     """The slot that a recessed bar asks for; None where its banks are not straight or it is not void."""
     lattice = canvas.lattice
     u = lattice.per_module
-    half, gap = round(width * u / 2), lattice.whole(spec.gap_mm)
+    half, gap = round(bar.width * u / 2), lattice.whole(spec.gap_mm)
     start, end = _cell(canvas, bar.start), _cell(canvas, bar.end)
     along_x = start[1] == end[1]
     middle = start[1] if along_x else start[0]
@@ -181,7 +206,7 @@ def _slot(canvas: Canvas, bar: RingBar, width: float, spec: PatternSpec) -> _Slo
         first, last = (_cell(canvas, (k, k))[0] for k in bar.pinch)
         slot = first, last
         dark = min(round(SLOT * u), lattice.whole(DARK_MM))
-        tip = outer + inwards * max(0, u - max(gap, dark, round(LEAST_SLOT * u)))
+        tip = outer + inwards * max(0, u - max(gap, dark, round(LEAST_SLOT_MODULES * u)))
 
     def rect(across: tuple[int, int], along: tuple[int, int]) -> Rect:
         """Cells between two lines across the ring, and two along it."""

@@ -16,7 +16,7 @@ from perfqr_cad.pattern.joining.steps import Steps
 
 MOST_STAR_WORK = 80_000_000  # islands times nodes: beyond about a second only pairs are candidates
 ISLANDS_AT_ONCE = 16  # searches for arms that share one call, and its memory
-PRICE_TOL = 1e-9  # two prices closer than this are equal
+SAME_PRICE = 1e-9  # two prices closer than this are equal
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +118,7 @@ class Router:
         for k in first.tolist():
             names = tuple(self._steps.name(int(self._near[i])) for i in trios[:, k])
             links = sorted(known.get(frozenset(pair), np.inf) for pair in combinations(names, 2))
-            if total[k] < links[0] + links[1] - PRICE_TOL:
+            if total[k] < links[0] + links[1] - SAME_PRICE:
                 junction = np.array([[self._near[whole[k]]]])
                 found.append(Route(names, (junction,), float(total[k])))
         return found

@@ -14,18 +14,27 @@ pieces of a solution that is not connected give the next inequality, until it is
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from perfqr_cad.pattern.pattern import Optimality
+if TYPE_CHECKING:
+    from scipy.cluster.hierarchy import DisjointSet
 
 CODEWORD_PRICE = 1000.0  # expected misread modules: more than all links of a pattern together can cost
 MOST_PARTITIONS = 60  # of Kruskal's; the others come back as cuts where they are needed
-PRICE_TOL = 1e-7  # HiGHS's own tolerance on a constraint
+LEAST_NODES = 10  # what one run of the solver counts for at least: its root alone takes work
+SOLVER_TOL = 1e-7  # HiGHS's own tolerance on a constraint
+
+
+class Optimality(NamedTuple):
+    """What the solver proved about the chosen bridges."""
+
+    objective: float
+    bound: float
+    gap: float
 
 
 @dataclass(frozen=True)
@@ -51,42 +60,38 @@ class Conflict:
 
 def kruskal(links: Sequence[Link], taken: Sequence[int] = ()) -> list[int]:
     """Links of a spanning tree by rising price, after those that are taken already."""
-    forest = Forest(i for link in links for i in link.islands)
+    islands = _islands_of(links)
     for k in taken:
-        forest.join(links[k].islands)
-    chosen = list(taken)
-    for k in sorted(range(len(links)), key=lambda k: links[k].full_price):
-        if forest.parts_of(links[k].islands) > 1:
-            forest.join(links[k].islands)
-            chosen.append(k)
-    return chosen
+        unite(islands, links[k].islands)
+    by_price = sorted(range(len(links)), key=lambda k: links[k].full_price)
+    return [*taken, *(k for k in by_price if unite(islands, links[k].islands))]
 
 
 def cheapest(
-    links: Sequence[Link], conflicts: Sequence[Conflict], time_limit_s: float
+    links: Sequence[Link], conflicts: Sequence[Conflict], most_nodes: int
 ) -> tuple[list[int], Optimality]:
-    """Indices of the chosen links, and what was proved about them within the time limit."""
-    began = time.perf_counter()
+    """Indices of the chosen links, and what was proved about them within so many nodes of the search."""
     chosen = kruskal(links)
     model = _Model(links, conflicts, chosen)
     bound = 0.0
-    while (left_s := time_limit_s - (time.perf_counter() - began)) > 0:
-        answer = model.solve(left_s)
+    while most_nodes > 0:
+        answer = model.solve(most_nodes)
+        most_nodes -= max(int(answer.mip_node_count or 0), LEAST_NODES)
         if answer.mip_dual_bound is not None and np.isfinite(answer.mip_dual_bound):
             bound = max(bound, float(answer.mip_dual_bound))
         if answer.x is None:
             break
         picked = [k for k in range(len(links)) if answer.x[k] > 0.5]
-        forest = Forest(i for link in links for i in link.islands)
+        islands = _islands_of(links)
         for k in picked:
-            forest.join(links[k].islands)
+            unite(islands, links[k].islands)
         whole = kruskal(links, picked)
         if cost(links, conflicts, whole) < cost(links, conflicts, chosen):
             chosen = whole
-        if forest.count == 1:
+        if islands.n_subsets == 1:
             break
-        model.add_pieces(forest.partition())
-    return chosen, proved(cost(links, conflicts, chosen), bound, began)
+        model.add_pieces(_partition(islands))
+    return chosen, proved(cost(links, conflicts, chosen), bound)
 
 
 def cost(links: Sequence[Link], conflicts: Sequence[Conflict], chosen: Sequence[int]) -> float:
@@ -99,11 +104,11 @@ def cost(links: Sequence[Link], conflicts: Sequence[Conflict], chosen: Sequence[
     return sum(links[k].price for k in chosen) + CODEWORD_PRICE * len(lost)
 
 
-def proved(price: float, bound: float, began: float) -> Optimality:
-    """What is known of a price, given a lower bound and when the search began."""
+def proved(price: float, bound: float) -> Optimality:
+    """What is known of a price, given a lower bound."""
     bound = min(bound, price)  # the solver's bound carries its own rounding
     gap = (price - bound) / price if price > 0 else 0.0
-    return Optimality(price, bound, gap if gap > PRICE_TOL else 0.0, time.perf_counter() - began)
+    return Optimality(price, bound, gap if gap > SOLVER_TOL else 0.0)
 
 
 class _Model:
@@ -122,12 +127,12 @@ class _Model:
             for c in sorted(conflict.codewords):
                 row = {self._codeword[c]: 1.0} | dict.fromkeys(conflict.links, -1.0)
                 self._add(row, 1.0 - len(conflict.links))
-        forest = Forest(i for link in links for i in link.islands)
+        islands = _islands_of(links)
         kept = {round(k) for k in np.linspace(0, len(tree) - 1, MOST_PARTITIONS)}
         for k, link in enumerate(tree):
             if k in kept:
-                self.add_partition(forest.partition())
-            forest.join(links[link].islands)
+                self.add_partition(_partition(islands))
+            unite(islands, links[link].islands)
 
     def add_pieces(self, part: dict[int, int]) -> None:
         """The parts must hold together, and each of them to the rest."""
@@ -148,7 +153,7 @@ class _Model:
         self._rows.append(row)
         self._lower.append(lower)
 
-    def solve(self, time_limit_s: float) -> Any:
+    def solve(self, most_nodes: int) -> Any:
         from scipy.optimize import Bounds, LinearConstraint, milp
         from scipy.sparse import csr_array
 
@@ -167,37 +172,28 @@ class _Model:
             integrality=np.ones(len(price)),
             bounds=Bounds(0, 1),
             constraints=LinearConstraint(matrix, self._lower, np.inf),  # pyright: ignore[reportArgumentType]
-            options={"time_limit": time_limit_s, "mip_rel_gap": 0.0},
+            options={"node_limit": most_nodes, "mip_rel_gap": 0.0},
         )
 
 
-class Forest:
-    """Disjoint sets."""
+def disjoint(members: Iterable[int]) -> DisjointSet:
+    """Each member in a set of its own; scipy's module is imported on first use, for it is heavy."""
+    from scipy.cluster.hierarchy import DisjointSet
 
-    def __init__(self, members: Iterable[int]) -> None:
-        self._leader = {i: i for i in members}
-        self.count = len(self._leader)
+    return DisjointSet(members)
 
-    def find(self, member: int) -> int:
-        """The leader of a member's set."""
-        leader = self._leader
-        while leader[member] != member:
-            leader[member] = member = leader[leader[member]]
-        return member
 
-    def parts_of(self, members: Sequence[int]) -> int:
-        """How many sets the members lie in."""
-        return len({self.find(i) for i in members})
+def _islands_of(links: Iterable[Link]) -> DisjointSet:
+    """All islands that the links name, none of them joined."""
+    return disjoint(island for link in links for island in link.islands)
 
-    def join(self, members: Sequence[int]) -> None:
-        """Unites the sets of the members."""
-        first = self.find(members[0])
-        for other in members[1:]:
-            leader = self.find(other)
-            if leader != first:
-                self._leader[leader] = first
-                self.count -= 1
 
-    def partition(self) -> dict[int, int]:
-        """The leader of each member."""
-        return {i: self.find(i) for i in sorted(self._leader)}
+def unite(sets: DisjointSet, members: Sequence[int]) -> bool:
+    """Makes one set of those that the members lie in; whether there was more than one."""
+    merged = [sets.merge(members[0], other) for other in members[1:]]
+    return any(merged)
+
+
+def _partition(sets: DisjointSet) -> dict[int, int]:
+    """A member that stands for its set, for each member."""
+    return {member: sets[member] for member in sorted(sets)}

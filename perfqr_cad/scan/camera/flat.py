@@ -43,7 +43,11 @@ class FlatPrint:
 
 
 def printed(dark: NDArray[np.bool_], edge_mm: float, *, quiet_modules: int = 4, scale: int = 1) -> FlatPrint:
-    """The print of a symbol, or of its art at `scale` samples a module; `edge_mm` with the quiet zone."""
+    """The print of a symbol, or of its art at `scale` samples a module; `edge_mm` with the quiet zone.
+
+    >>> printed(np.ones((21, 21), bool), 29.0).photo(View(size_px=64)).shape
+    (64, 64)
+    """
     return FlatPrint(np.pad(~dark, quiet_modules * scale, constant_values=True), edge_mm)
 
 

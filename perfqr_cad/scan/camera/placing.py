@@ -4,26 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry import Triangles
+from perfqr_cad.geometry.mesh_files import read_mesh
 from perfqr_cad.scan.camera.camera import CodeFrame
 from perfqr_cad.surface import Placement
 
 PLATE_LEVELS = 64  # faces, lip, recess and flares of a plate end at fewer heights; a curved mesh has more
-# What trimesh raises on files that are not what their suffix says.
-_UNREADABLE = (
-    ValueError, KeyError, IndexError, TypeError, OSError, ImportError, NotImplementedError, BadZipFile,
-)  # fmt: skip
+SAME_DECIMALS = 8  # of a mm: corners that agree so far are one
 PLATE_SLENDERNESS = 0.25  # thickness over width: thicker than this, it is a block
 
 
 @dataclass(frozen=True)
-class Part:
+class FilmedPart:
     """Vertices (k, 3) mm and faces (m, 3) of a closed mesh, the code it shows, and whether it is a plate.
 
     behind   a body of the ground's colour behind the code: no part of the part, but seen through its holes
@@ -55,7 +52,7 @@ def place(
     *,
     edge_mm: float | None = None,
     behind: Triangles | None = None,
-) -> Part:
+) -> FilmedPart:
     """The part in front of the camera.
 
     Without a placement the code is taken to lie on the top (largest z) of the mesh, centred on its
@@ -74,7 +71,7 @@ def place(
     else:
         centre, axes = placement.point((0.0, 0.0))[0], placement.reader_axes()
     edge = edge_mm if edge_mm is not None else float((high - low)[:2].max())
-    part = Part(vertices, faces, CodeFrame(centre, axes, edge), flat=False, behind=behind)
+    part = FilmedPart(vertices, faces, CodeFrame(centre, axes, edge), flat=False, behind=behind)
     level = behind is None and (placement is None or placement.is_flat)
     return replace(part, flat=level and _is_plate(part.in_frame()) and triangles.closed)
 
@@ -87,20 +84,13 @@ def _is_plate(vertices: NDArray[np.float64]) -> bool:
 
 
 def load_mesh(path: Path | str) -> Triangles:
-    """Triangles of an .stl, .3mf, .ply, .obj or .off file. KernelError if it cannot be read."""
-    import trimesh
+    """Triangles of an .stl, .3mf, .ply, .obj or .off file, equal corners made one.
 
-    path = Path(path)
-    if not path.is_file():
-        raise KernelError(f"{path} does not exist: give the path of a written part")
-    try:
-        loaded = trimesh.load(path, force="mesh")
-    except _UNREADABLE as error:
-        raise KernelError(
-            f"{path} is not a mesh that can be read ({error}): write it again as .stl"
-        ) from error
-    if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
-        raise KernelError(f"{path} holds 0 triangles: write it again as .stl")
-    if not np.isfinite(loaded.vertices).all():
-        raise KernelError(f"{path} has corners that are no finite numbers: write it again as .stl")
-    return Triangles(np.asarray(loaded.vertices, np.float64), np.asarray(loaded.faces, np.int64))
+    KernelError if it cannot be read.
+    """
+    mesh = read_mesh(path)
+    corners = mesh.vertices[mesh.faces].reshape(-1, 3)
+    _, first, faces = np.unique(
+        np.round(corners, SAME_DECIMALS), axis=0, return_index=True, return_inverse=True
+    )
+    return Triangles(corners[first], faces.reshape(-1, 3))

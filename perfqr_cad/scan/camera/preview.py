@@ -1,13 +1,16 @@
 """A plate before its solid exists: the sections that a pattern and its walls would have.
 
 The search for good walls tries many plates. What the camera needs of a plate is its sections, and those
-follow from the outline: walls that flare set every edge back, by as much as the webs bear. Distances are
-measured on pictures, to a fraction of a pixel; the finished solid is filmed for itself.
+follow from the outline: walls that flare set every edge back, by as much as the webs allow. The finished
+solid is filmed for itself.
+
+The rule is that of `profile.flare`: both sides of a web give way alike, until half the least web is left.
+There webs are measured between segments and whole edges set back, exactly; here distances are taken pixel by
+pixel, to a fraction of one. So the two share the rule and no step of it.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,7 +24,7 @@ from perfqr_cad.geometry.outline import Line
 from perfqr_cad.pattern.drawing.front import edge_under
 from perfqr_cad.scan.camera import layers
 from perfqr_cad.scan.camera.camera import facing_up
-from perfqr_cad.scan.camera.placing import Part
+from perfqr_cad.scan.camera.placing import FilmedPart
 from perfqr_cad.scan.camera.raster import shrunk
 from perfqr_cad.scan.camera.scene import LEAST_WEB_MM, MARGIN, SECTION_PX, STEEPEST_DEG, Scene
 from perfqr_cad.scan.camera.skylight import Picture
@@ -58,49 +61,49 @@ def plate_scene(
     kinds = list(zip(shares.tolist(), (depth_mm > thickness_mm - height_mm).tolist(), strict=True))
     sections = {kind: _bytes(walls.section(kind[0]), bars if kind[1] else None) for kind in set(kinds)}
     code = facing_up((0.0, 0.0, thickness_mm), pattern.size_mm)
-    meshless = Part(np.zeros((0, 3)), np.zeros((0, 3), np.int64), code, flat=True)
+    meshless = FilmedPart(np.zeros((0, 3)), np.zeros((0, 3), np.int64), code, flat=True)
     return Scene(meshless, sections=Stack(tuple(sections[kind] for kind in kinds), depth_mm, edge_mm))
 
 
 @dataclass(frozen=True)
-class _Walls:
+class _WallPictures:
     """Walls of a plate as pictures (n, n).
 
     front    material of the front face, 0 to 1
     inside   distance of the material from the nearest hole, in pixels
-    bears    how far the nearest wall may be set back at most, in pixels
+    room     how far the nearest wall may be set back at most, in pixels
     """
 
     front: Picture
     inside: Picture
-    bears: Picture
+    room: Picture
 
     def section(self, share: float) -> Picture:
         """Material where the walls have given way by this share of what they do at the back."""
         if share == 0:
             return self.front
-        left = np.clip(self.inside - np.float32(share) * self.bears + np.float32(0.5), 0, 1)
+        left = np.clip(self.inside - np.float32(share) * self.room + np.float32(0.5), 0, 1)
         return np.minimum(left, self.front)
 
 
-def _walls(pattern: Pattern, edge_mm: float, flare_mm: float) -> _Walls:
+def _walls(pattern: Pattern, edge_mm: float, flare_mm: float) -> _WallPictures:
     loops = [loop.flatten() for region in pattern.front for loop in region.loops]
     front = _picture(loops, edge_mm, SECTION_PX)
     if flare_mm == 0:
-        return _Walls(front, front, 0 * front)
+        return _WallPictures(front, front, 0 * front)
     fine_px = FINER * SECTION_PX
     per_mm = fine_px / edge_mm
     # The plate is taken to go on beyond its outer edge, which stays upright.
     plain = _picture([pattern.front[0].outer.flatten()], edge_mm, fine_px)
     solid = 1 + _picture(loops, edge_mm, fine_px) - plain > 0.5
     inside = _distance(solid)
-    bears = np.zeros_like(inside)
+    room = np.zeros_like(inside)
     for flare_px in np.linspace(0, flare_mm * per_mm, STEPS + 1)[1:]:
-        # Discs that keep half the least web when shrunk by this flare; what they cover can bear it.
+        # Discs that keep half the least web when shrunk by this flare; what they cover has room for it.
         radius = flare_px + pattern.spec.web_mm * per_mm / 2
-        bears[_distance(inside < radius) <= radius] = flare_px
-    bears[_picture(_upright(pattern, flare_mm), edge_mm, fine_px) > 0.5] = 0
-    return _Walls(front, _halved(inside), _halved(bears))
+        room[_distance(inside < radius) <= radius] = flare_px
+    room[_picture(_upright(pattern, flare_mm), edge_mm, fine_px) > 0.5] = 0
+    return _WallPictures(front, _halved(inside), _halved(room))
 
 
 def _distance(mask: NDArray[np.bool_]) -> Picture:
@@ -131,12 +134,7 @@ def _upright(pattern: Pattern, reach_mm: float) -> list[NDArray[np.float64]]:
 
 def _reaching(bars: Sequence[Bridge], reach_mm: float) -> list[NDArray[np.float64]]:
     """Corners (4, 2) of bars that reach further at both ends, for walls that give way."""
-    found: list[NDArray[np.float64]] = []
-    for bar in bars:
-        corners = np.array(bar.corners())
-        further = np.subtract(bar.end, bar.start) * reach_mm / math.dist(bar.start, bar.end)
-        found.append(corners + np.outer([-1, 1, 1, -1], further))
-    return found
+    return [np.array(bar.lengthened(reach_mm).corners()) for bar in bars]
 
 
 def _picture(loops: Sequence[NDArray[np.float64]], edge_mm: float, pixels: int) -> Picture:

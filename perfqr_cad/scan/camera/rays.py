@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from perfqr_cad.scan.camera.camera import Camera
 from perfqr_cad.scan.camera.layers import Shot
 from perfqr_cad.scan.camera.look import Light
-from perfqr_cad.scan.camera.placing import Part
+from perfqr_cad.scan.camera.placing import FilmedPart
 from perfqr_cad.scan.camera.raster import smooth, warp
 from perfqr_cad.scan.camera.skylight import Picture
 
@@ -65,7 +65,7 @@ class Tracer:
         return found >= 0
 
 
-def tracer(part: Part) -> Tracer:
+def tracer(part: FilmedPart) -> Tracer:
     """Build the ray caster of a part and of what is behind it."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
@@ -115,8 +115,10 @@ def shoot(
 
 
 def _deep(distance: Picture, cover: NDArray[np.bool_], pixel_mm: float) -> NDArray[np.bool_]:
-    """Pixels of the part that lie deeper than any slope explains behind the nearest within reach of the
-    average: the far inner wall of a hollow body, seen through its holes, faces the reader as its front does.
+    """Pixels of the part that lie too deep behind their neighbours to be averaged with them.
+
+    Deeper, that is, than any slope explains: the far inner wall of a hollow body, seen through its holes,
+    faces the reader as its front does.
     """
     from scipy.ndimage import minimum_filter
 

@@ -12,7 +12,7 @@ from perfqr_cad.scan.camera import layers, photo, raster, rays, skylight
 from perfqr_cad.scan.camera.camera import Camera, View
 from perfqr_cad.scan.camera.layers import Shot
 from perfqr_cad.scan.camera.look import Light, Look
-from perfqr_cad.scan.camera.placing import Part
+from perfqr_cad.scan.camera.placing import FilmedPart
 from perfqr_cad.scan.camera.stack import Stack, cut_stack
 
 STEEPEST_DEG = 65.0  # no decoder reads a flat print beyond 60° (paper, Fig. 14)
@@ -31,7 +31,7 @@ class Scene:
     sections   those of a plate, where they are known without its mesh
     """
 
-    part: Part
+    part: FilmedPart
     least_web_mm: float = LEAST_WEB_MM
     sections: Stack | None = None
 

@@ -138,6 +138,11 @@ def accepted(payload: str | bytes) -> frozenset[bytes]:
 
     Engines return either the raw bytes of the symbol or its text in UTF-8. Bytes that are not UTF-8
     are ISO/IEC 8859-1 text (ISO/IEC 18004 §7.3.5, default interpretation).
+
+    >>> accepted("ok") == {b"ok"}
+    True
+    >>> accepted("é") == {"é".encode(), "é".encode("latin-1")}
+    True
     """
     raw = payload.encode() if isinstance(payload, str) else bytes(payload)
     try:

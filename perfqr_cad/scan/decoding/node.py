@@ -1,20 +1,29 @@
 """Readers that run under Node.js, where it is present: jsQR and the WebAssembly build of ZBar.
 
-They are found in the folder named by the environment variable PERFQR_NODE_MODULES, or in
-`node_modules` of the working directory: `npm install jsqr @undecaf/zbar-wasm`.
+They are found where this program's user put them, never in the current folder: in the folder that the
+environment variable PERFQR_NODE_MODULES names by its full path, else in `HOME`, where
+`npm install --prefix HOME jsqr @undecaf/zbar-wasm` puts them.
 """
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import shutil
+import signal
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
+from perfqr_cad.errors import AnalysisError
+
+HOME = Path(sys.prefix) / "share" / "perfqr-cad" / "node"  # beside the installation
+PR_SET_PDEATHSIG = 1  # prctl(2)
 
 _LOOP = """
 import { createRequire } from 'node:module'
@@ -34,6 +43,7 @@ async function zbar(gray, width, height) {
   return found.filter(s => s.typeName === 'ZBAR_QRCODE').map(s => Buffer.from(s.data).toString('hex'))
 }
 let pending = Buffer.alloc(0), need = null
+process.stdin.on('end', () => process.exit())
 process.stdin.on('data', async chunk => {
   pending = Buffer.concat([pending, chunk])
   if (need === null) {
@@ -53,8 +63,14 @@ process.stdin.on('data', async chunk => {
 
 
 def modules_folder() -> Path:
-    """Where the packages are looked for."""
-    return Path(os.environ.get("PERFQR_NODE_MODULES", "node_modules")).resolve()
+    """Where the packages are looked for. AnalysisError if the environment names it by a relative path."""
+    folder = Path(os.environ.get("PERFQR_NODE_MODULES") or HOME / "node_modules")
+    if not folder.is_absolute():
+        raise AnalysisError(
+            f"PERFQR_NODE_MODULES={folder} depends on the current folder: give the full path, "
+            f"{folder.resolve()}"
+        )
+    return folder
 
 
 def present(package: str) -> bool:
@@ -69,6 +85,8 @@ def reader(package: str) -> Callable[[NDArray[np.uint8]], tuple[bytes, ...]]:
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
+        env={name: value for name, value in os.environ.items() if not name.startswith("NODE_")},
+        preexec_fn=_die_with_parent,
     )
     requests, answers = process.stdin, process.stdout
     assert requests is not None
@@ -79,6 +97,15 @@ def reader(package: str) -> Callable[[NDArray[np.uint8]], tuple[bytes, ...]]:
         header = json.dumps({"height": height, "width": width}).encode() + b"\n"
         requests.write(header + np.ascontiguousarray(image).tobytes())
         requests.flush()
-        return tuple(bytes.fromhex(payload) for payload in json.loads(answers.readline()))
+        answer = answers.readline()
+        if not answer:
+            raise EOFError(f"Node.js ended at {package}")
+        return tuple(bytes.fromhex(payload) for payload in json.loads(answer))
 
     return read
+
+
+def _die_with_parent() -> None:
+    """Have the kernel end the process that is being started when ours ends; Linux only."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

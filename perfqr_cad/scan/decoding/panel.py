@@ -1,117 +1,59 @@
-"""A panel of decoders that cannot hurt us: each call runs in a worker process under a time limit.
+"""A panel of decoders that cannot hurt us: each call runs in a worker process under a limit of computing.
 
-A worker that crashes or hangs is a miss for the decoder that held it; it is replaced and the work goes on.
+A worker that crashes or never ends is a miss for the decoder that held it, and is counted; it is replaced and
+the work goes on.
 """
 
 from __future__ import annotations
 
 import atexit
-import contextlib
-import json
-import os
 import queue
-import signal
-import subprocess
-import sys
 import threading
-from collections.abc import Callable, Generator, Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from types import TracebackType
 
 import numpy as np
 
 from perfqr_cad.errors import AnalysisError
+from perfqr_cad.isolated import IsolationError, Limits, OutOfTime, Worker
 from perfqr_cad.scan.decoding import decoders
 from perfqr_cad.scan.decoding.decoders import Gray
+from perfqr_cad.scan.decoding.worker import Readers
 
-# The paper counts a decoding as successful within 2 s (§6).
-TIME_LIMIT_S = 2.0
-START_LIMIT_S = 60.0  # loading every engine on a busy machine; a worker that needs longer is broken
+# The paper counts a decoding as successful within 2 s (§6). Here they are seconds of computing: what runs
+# beside the panel changes no result.
+LIMITS = Limits(cpu_s=2.0)
+JOB = f"{Readers.__module__}:{Readers.__name__}"
 Reading = dict[str, tuple[bytes, ...]]
 Source = Gray | Callable[[], Gray]  # a picture, or what makes it when its turn comes
 
 
-class Worker:
-    """One decoder process. `ask` returns () on a miss, a crash and a time-out alike."""
+@dataclass(frozen=True)
+class Losses:
+    """How often an engine met its limit, and how often it crashed, by name: views that count as missed."""
 
-    def __init__(
-        self, names: Sequence[str], time_limit_s: float, command: Sequence[str] | None = None
-    ) -> None:
-        self._command = list(command or [sys.executable, "-m", "perfqr_cad.scan.decoding.worker", *names])
-        self._time_limit_s = time_limit_s
-        self._process: subprocess.Popen[bytes] | None = None
+    timeouts: dict[str, int] = field(default_factory=dict[str, int])
+    crashes: dict[str, int] = field(default_factory=dict[str, int])
 
-    def ask(self, decoder: str, image: Gray) -> tuple[bytes, ...]:
-        """Payloads that one decoder reads in one image."""
-        header = {"decoder": decoder, "height": image.shape[0], "width": image.shape[1]}
-        request = json.dumps(header).encode() + b"\n" + image.tobytes()
-        answer = _exchange(self._running(), request, self._time_limit_s)
-        if not answer:
-            self.stop()
-            return ()
-        return tuple(bytes.fromhex(payload) for payload in json.loads(answer))
+    def since(self, before: Losses) -> Losses:
+        """Those that have come since."""
+        return Losses(
+            dict(Counter(self.timeouts) - Counter(before.timeouts)),
+            dict(Counter(self.crashes) - Counter(before.crashes)),
+        )
 
-    def _running(self) -> subprocess.Popen[bytes]:
-        if self._process is None:
-            pipe = subprocess.PIPE
-            self._process = subprocess.Popen(
-                self._command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True
-            )
-            if _exchange(self._process, b"", START_LIMIT_S) != b"ready\n":
-                self.stop()
-                raise AnalysisError(
-                    f"the decoder process did not start within {START_LIMIT_S:g} s: "
-                    "check that zxing-cpp, pyzbar (with the zbar library) and OpenCV import"
-                )
-        return self._process
-
-    def stop(self) -> None:
-        """End the process, whatever it is doing."""
-        if self._process is None:
-            return
-        _kill(self._process)
-        self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
-            if pipe is not None:
-                with (
-                    _broken_pipes_are_errors(),
-                    contextlib.suppress(BrokenPipeError),
-                ):  # unsent bytes of a request that was cut short
-                    pipe.close()
-        self._process = None
-
-
-def _exchange(process: subprocess.Popen[bytes], request: bytes, limit_s: float) -> bytes:
-    """Send a request and wait for a line; empty when the process ends or its time is over."""
-    assert process.stdin is not None
-    assert process.stdout is not None
-    watchdog = threading.Timer(limit_s, _kill, [process])
-    watchdog.start()
-    try:
-        with _broken_pipes_are_errors():
-            process.stdin.write(request)
-            process.stdin.flush()
-        return process.stdout.readline()
-    except BrokenPipeError:
-        return b""
-    finally:
-        watchdog.cancel()
-
-
-@contextlib.contextmanager
-def _broken_pipes_are_errors() -> Generator[None]:
-    """The solid modeller resets SIGPIPE; its default would end us when a decoder dies mid-request."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
-    try:
-        yield
-    finally:
-        signal.sigtimedwait({signal.SIGPIPE}, 0)
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    """End a process and whatever it started (Node.js)."""
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
+    def sentences(self) -> tuple[str, ...]:
+        """Each as a line for people."""
+        return (
+            *(
+                f"{name} met its limit of {LIMITS.cpu_s:g} s of computing {count} times: counted as misses"
+                for name, count in self.timeouts.items()
+            ),
+            *(f"{name} crashed {count} times: counted as misses" for name, count in self.crashes.items()),
+        )
 
 
 def _gray(source: Source) -> Gray:
@@ -125,15 +67,43 @@ class Panel:
     """Decoders by name behind worker processes. Use it as a context manager, or call `close`."""
 
     def __init__(
-        self, names: Sequence[str] | None = None, *, time_limit_s: float = TIME_LIMIT_S, workers: int = 2
+        self,
+        names: Sequence[str] | None = None,
+        *,
+        workers: int = 2,
+        job: str = JOB,
+        limits: Limits = LIMITS,
     ) -> None:
         """`names` defaults to every engine present. AnalysisError if a name is unknown or absent."""
         present = decoders.available()
         missing = [name for name in names or () if name not in present]
         if missing:
             raise AnalysisError(f"decoder {missing[0]} is not available: choose from {', '.join(present)}")
-        self.names = tuple(names) if names is not None else present
-        self._workers = [Worker(self.names, time_limit_s) for _ in range(workers)]
+        self._wanted = tuple(names) if names is not None else present
+        self._workers = [Worker(job, *self._wanted, limits=limits) for _ in range(workers)]
+        self._timeouts, self._crashes = Counter[str](), Counter[str]()
+        for process in self._workers:
+            process.start()
+
+    @cached_property
+    def left_out(self) -> dict[str, str]:
+        """Why engines that were wanted cannot be loaded here, by name. AnalysisError if none can."""
+        reasons = _ready(self._workers[0])
+        if len(reasons) == len(self._wanted):
+            self.close()
+            why = "; ".join(f"{name}: {reason}" for name, reason in reasons.items())
+            raise AnalysisError(f"none of {len(reasons)} decoders can be loaded ({why}): install one again")
+        return reasons
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The engines that read."""
+        return tuple(name for name in self._wanted if name not in self.left_out)
+
+    @property
+    def losses(self) -> Losses:
+        """What has been lost to limits and crashes so far."""
+        return Losses(dict(self._timeouts), dict(self._crashes))
 
     def read(self, image: Gray) -> Reading:
         """What each decoder reads in one image (H, W) uint8."""
@@ -156,22 +126,25 @@ class Panel:
             tasks.put(index)
         readings: list[Reading] = [{} for _ in images]
         failures: list[Exception] = []
+        ended = threading.Event()
         lock = threading.Lock()
         done = 0
 
         def work(worker: Worker) -> None:
             nonlocal done
-            while not failures:
+            while not ended.is_set():
                 try:
                     index = tasks.get_nowait()
                 except queue.Empty:
                     return
-                asked = self.names if names is None else names[index]
                 try:
                     image = _gray(images[index])
-                    readings[index] = {name: worker.ask(name, image) for name in asked}
+                    for name in self.names if names is None else names[index]:
+                        if not ended.is_set():
+                            readings[index][name] = self._ask(worker, name, image)
                 except Exception as failure:  # noqa: BLE001  raised again by the caller's thread
                     failures.append(failure)
+                    ended.set()
                     return
                 with lock:
                     done += 1
@@ -179,18 +152,36 @@ class Panel:
                         progress(done)
 
         threads = [threading.Thread(target=work, args=(w,)) for w in self._workers[: len(images)]]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        try:
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        except BaseException:  # an interrupt: no thread may go on without us
+            ended.set()
+            self.close()
+            raise
         if failures:
             raise failures[0]
         return readings
 
+    def _ask(self, worker: Worker, decoder: str, image: Gray) -> tuple[bytes, ...]:
+        """Payloads that one decoder reads in one image; () on a miss, a crash and a time-out alike."""
+        _ready(worker)
+        try:
+            payloads = worker.ask({"decoder": decoder}, image).value
+        except OutOfTime:
+            self._timeouts[decoder] += 1
+            return ()
+        except IsolationError:
+            self._crashes[decoder] += 1
+            return ()
+        return tuple(bytes.fromhex(payload) for payload in payloads)
+
     def close(self) -> None:
         """End the worker processes."""
-        for worker in self._workers:
-            worker.stop()
+        for process in self._workers:
+            process.stop()
 
     def __enter__(self) -> Panel:
         return self
@@ -199,6 +190,16 @@ class Panel:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _ready(worker: Worker) -> dict[str, str]:
+    """Have a worker started: the engines that it could not load, and why."""
+    try:
+        return worker.report
+    except IsolationError as reason:
+        raise AnalysisError(
+            f"the decoder process does not start ({reason}): install the package again"
+        ) from reason
 
 
 _shared: dict[tuple[str, ...], Panel] = {}

@@ -1,43 +1,42 @@
-"""The process in which native decoders run: `python -m perfqr_cad.scan.decoding.worker NAME...`.
-
-Protocol on standard input and output. Once every engine is loaded the worker writes a line `ready`.
-A request is a JSON line `{"decoder", "height", "width"}` and height x width bytes of gray; the answer
-is a JSON line with the payloads in hexadecimal. The parent ends it by closing its input.
-"""
+"""What runs in the panel's processes: the native decoders, each loaded and tried once."""
 
 from __future__ import annotations
 
-import json
-import os
 import sys
-from typing import BinaryIO
 
 import numpy as np
 
+from perfqr_cad.isolated import Message
 from perfqr_cad.scan.decoding import decoders
+from perfqr_cad.scan.decoding.decoders import Reader
+
+BLANK = np.full((64, 64), 255, np.uint8)
 
 
-def private_stdout() -> BinaryIO:
-    """Keep the answer channel for ourselves: native libraries that print must not write into it."""
-    channel = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)
-    return channel
+class Readers:
+    """The engines of those names that can be loaded here.
 
+    It answers `{"decoder": name}` with a gray picture (H, W) uint8 by the payloads, in hexadecimal. `report`
+    is why engines could not be loaded, by name.
+    """
 
-def serve(names: list[str], requests: BinaryIO, answers: BinaryIO) -> None:
-    """Answer requests until the input ends."""
-    readers = {name: decoders.load(name) for name in names}
-    answers.write(b"ready\n")
-    answers.flush()
-    while header := requests.readline():
-        request = json.loads(header)
-        shape = request["height"], request["width"]
-        pixels = requests.read(shape[0] * shape[1])
-        image = np.frombuffer(pixels, np.uint8).reshape(shape)
-        payloads = readers[request["decoder"]](image.copy())  # some engines write into their input
-        answers.write(json.dumps([payload.hex() for payload in payloads]).encode() + b"\n")
-        answers.flush()
+    def __init__(self, *names: str) -> None:
+        self.report: dict[str, str] = {}
+        self._readers: dict[str, Reader] = {}
+        for name in names:
+            try:
+                reader = decoders.load(name)
+                reader(BLANK.copy())  # what an engine loads with its first picture is loaded now
+            except Exception as error:  # noqa: BLE001  an engine that is broken here, however, is left out
+                self.report[name] = " ".join(str(error).split()) or type(error).__name__
+            else:
+                self._readers[name] = reader
 
-
-if __name__ == "__main__":
-    serve(sys.argv[1:], sys.stdin.buffer, private_stdout())
+    def __call__(self, request: Message) -> Message:
+        """What one engine reads in one picture; some engines write into their input, which is their own."""
+        (image,) = request.arrays
+        try:
+            payloads = self._readers[request.value["decoder"]](image)
+        except EOFError as error:  # the engine's own process has ended: so does this one, to be replaced
+            sys.exit(str(error))
+        return Message([payload.hex() for payload in payloads])

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.outline import Segment
 from perfqr_cad.profile.loft import Level
 from perfqr_cad.solid.tables.batches import Surfaces
@@ -46,7 +45,7 @@ class Band:
     """
 
     surfaces: SurfaceTable
-    outward: NDArray[np.bool_]
+    outward: Mask
     images: Images
 
 

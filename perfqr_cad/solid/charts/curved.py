@@ -9,7 +9,6 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from OCP.Geom import (
     Geom_ConicalSurface,
     Geom_CylindricalSurface,
@@ -19,7 +18,7 @@ from OCP.Geom import (
 from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Pnt
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.geometry.arrays import Array, Mask
 from perfqr_cad.geometry.outline import Line, Segment
 from perfqr_cad.geometry.spline import DEGREE
 from perfqr_cad.profile.loft import Level
@@ -116,7 +115,7 @@ class RevolvedChart(WallChart[Revolved]):
         at = ends * np.array([1 / self.wall.centre_radius_mm, self._speed]) + np.array([math.pi, 0.0])
         return straight(np.arange(len(ends)), at[:, 0], at[:, 1])
 
-    def _has_cones(self, v: Array, depths: Sequence[float]) -> NDArray[np.bool_]:
+    def _has_cones(self, v: Array, depths: Sequence[float]) -> Mask:
         """Whether walls on parallels are planes or cones: not cylinders about the axis (an axial normal)."""
         drops = np.diff([self.wall.meridian_at(v, depth) for depth in depths], axis=0)
         radial, axial = np.abs(drops[..., 0]), np.abs(drops[..., 1])

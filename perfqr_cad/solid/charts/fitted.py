@@ -14,10 +14,9 @@ from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.outline import Arc, Line, Segment
 from perfqr_cad.geometry.segments import by_kind, positions, rounds
 from perfqr_cad.geometry.spline import collocation, not_a_knot
@@ -204,7 +203,7 @@ def _band(
 
 def _upright(
     segments: Sequence[Segment], rows: Indices, above: Array, below: Array, net: _Net, projection: Projection
-) -> tuple[Cones, Images, NDArray[np.bool_]]:
+) -> tuple[Cones, Images, Mask]:
     """Cylinders through arcs of the pattern along the line of sight; their angles are the arcs' own."""
     arcs = rounds(segments)
     centre, ccw = projection.at(arcs.centre), arcs.sweep_rad > 0

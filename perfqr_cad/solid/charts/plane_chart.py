@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.outline import Bezier, Line, Segment
 from perfqr_cad.geometry.segments import by_kind, rounds
 from perfqr_cad.profile.loft import Level
@@ -106,7 +105,7 @@ class _WallBatch:
     rows: Indices
     surfaces: Surfaces
     images: Images | None = None
-    outward: NDArray[np.bool_] | bool = True
+    outward: Mask | bool = True
 
 
 def _walls(rows: Indices, upper: Curves, lower: Curves) -> list[_WallBatch]:

@@ -1,4 +1,4 @@
-"""The few kernel calls that carving into an imported solid needs, as plain functions."""
+"""Questions to shapes of the modeller, their repair, and the one boolean: what carving into a solid needs."""
 
 from __future__ import annotations
 

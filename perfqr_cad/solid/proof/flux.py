@@ -14,9 +14,8 @@ from functools import lru_cache, partial
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.rings import numbering
 from perfqr_cad.geometry.segments import quarters
 from perfqr_cad.solid.proof.expected import gauss
@@ -199,7 +198,7 @@ def _rule(breaks: tuple[float, ...], panels: int) -> tuple[Array, Array]:
     return (start + node * size).ravel(), (weight * size).ravel()
 
 
-def _ways(ahead: NDArray[np.bool_]) -> Array:
+def _ways(ahead: Mask) -> Array:
     """1 for uses along their edge, −1 for others."""
     return np.where(ahead, 1.0, -1.0)
 

@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.geometry.arrays import Array, Mask
 from perfqr_cad.solid.step.text import UNIT_DIGITS, Part21, real, reals, refs
 from perfqr_cad.solid.tables.batches import (
     Arcs,
@@ -53,7 +52,7 @@ class Geometry:
             case _:
                 return self._modelled.curves(cast("ModelledCurves", curves))
 
-    def surfaces(self, surfaces: Surfaces) -> tuple[Iterable[int], NDArray[np.bool_]]:
+    def surfaces(self, surfaces: Surfaces) -> tuple[Iterable[int], Mask]:
         """The numbers of surfaces, and whether their normals in the file are opposite to their own."""
         none = np.zeros(len(surfaces), np.bool_)
         match surfaces:

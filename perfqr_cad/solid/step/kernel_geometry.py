@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from OCP.Geom import (
     Geom_BezierCurve,
     Geom_BezierSurface,
@@ -32,6 +31,7 @@ from OCP.GeomConvert import GeomConvert
 from OCP.gp import gp_Dir, gp_Pnt
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.geometry.arrays import Mask
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.solid.kernel.modelled import ModelledCurves, ModelledSurfaces
 from perfqr_cad.solid.step.text import UNIT_DIGITS, Part21, real, reals, refs
@@ -69,7 +69,7 @@ class ModelledGeometry:
         with occ.kernel(*REBUILD):
             return [self.curve(*run) for run in curves.runs]
 
-    def surfaces(self, surfaces: ModelledSurfaces) -> tuple[list[int], NDArray[np.bool_]]:
+    def surfaces(self, surfaces: ModelledSurfaces) -> tuple[list[int], Mask]:
         """The numbers of surfaces, and whether their normals in the file are opposite to their own."""
         with occ.kernel(*REBUILD):
             numbers, mirrored = zip(*map(self.surface, surfaces.handles), strict=True)

@@ -5,7 +5,8 @@ The reader's own repairs are quadratic on perforated faces and can be left out f
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import io
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,9 +25,12 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape, TopoDS_Solid
 from OCP.XCAFDoc import XCAFDoc_ColorTool, XCAFDoc_ColorType, XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
 from perfqr_cad.errors import KernelError
+from perfqr_cad.isolated import Message, without_files
 from perfqr_cad.profile.colour import Colour
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.solid.kernel.occ import FACE, SHELL, SOLID, explore
+from perfqr_cad.solid.step.envelope import AGAIN, ask, require_readable
+from perfqr_cad.solid.step.transfer import StepPart, packed, unpacked
 
 # The reader's healing steps, all of which look again at every wire of a face; a sound file needs none.
 HEALING = (
@@ -36,29 +40,28 @@ HEALING = (
     "FixOrientationMode", "FixMissingSeamMode", "FixLoopWiresMode", "FixSplitFaceMode", "FixNotchedEdgesMode",
     "FixAddNaturalBoundMode", "FixSmallAreaWireMode",
 )  # fmt: skip
-MAGIC, END = b"ISO-10303-21", b"END-ISO-10303-21;"
-ENVELOPE_BYTES = 512  # at either end of the file, where its marks are looked for
-AGAIN = "export it again as STEP AP203, AP214 or AP242"
-
-
-@dataclass(frozen=True)
-class StepPart:
-    """A solid of a STEP file, in mm where the assembly puts it, with its product's name and its colour."""
-
-    shape: TopoDS_Solid
-    name: str
-    colour: Colour | None
 
 
 def read_step(path: str | Path, *, heal: bool = True) -> tuple[StepPart, ...]:
     """The solids of a STEP file in file order, in mm whatever its unit; where there are none, its closed
     shells as solids. `heal` False skips the reader's repairs.
 
-    Raises `KernelError` for a file that is missing, not STEP, cut short, damaged, or without a closed body.
+    Raises `KernelError` for a file that is missing, not STEP, cut short, damaged, or without a closed body,
+    or that the modeller cannot read within limits.
     """
-    source = Path(path)
-    _check_envelope(source)
-    document = _transferred(source, heal)
+    return unpacked(ask(f"{__name__}:parts_reader", path, heal))
+
+
+def parts_reader(name: str, heal: bool) -> Callable[[Message], Message]:
+    """The job of a process: a file's bytes are answered by its parts."""
+    return lambda request: packed(parts_of(request.arrays[0].tobytes(), name, heal=heal))
+
+
+def parts_of(content: bytes, name: str, *, heal: bool = True) -> tuple[StepPart, ...]:
+    """What `read_step` gives, from a file's bytes, by this process itself."""
+    require_readable(content, name)
+    with without_files():  # a file may name others
+        document = _transferred(content, name, heal)
     colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     roots = TDF_LabelSequence()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
@@ -68,28 +71,13 @@ def read_step(path: str | Path, *, heal: bool = True) -> tuple[StepPart, ...]:
     if not parts:
         shells, faces = (sum(len(explore(leaf.shape, kind)) for leaf in leaves) for kind in (SHELL, FACE))
         raise KernelError(
-            f"{source.name} holds no solid, only {shells} open shells and {faces} faces: close and stitch "
+            f"{name} holds no solid, only {shells} open shells and {faces} faces: close and stitch "
             f"them to a solid in the CAD system and export again"
         )
     return tuple(parts)
 
 
-def _check_envelope(path: Path) -> None:
-    try:
-        with path.open("rb") as file:
-            head = file.read(ENVELOPE_BYTES)
-            size = file.seek(0, 2)
-            file.seek(max(0, size - ENVELOPE_BYTES))
-            tail = file.read()
-    except OSError as error:
-        raise KernelError(f"{path} cannot be read ({error.strerror}): give a STEP file") from error
-    if MAGIC not in head:
-        raise KernelError(f"{path.name} is not a STEP file (no {MAGIC.decode()} header): {AGAIN}")
-    if END not in tail:
-        raise KernelError(f"{path.name} is cut short after {size} bytes (no end mark): copy or {AGAIN}")
-
-
-def _transferred(path: Path, heal: bool) -> TDocStd_Document:
+def _transferred(content: bytes, name: str, heal: bool) -> TDocStd_Document:
     """The file's assembly tree, its shapes translated."""
     occ.silence()
     document = TDocStd_Document(TCollection_ExtendedString("perfqr"))
@@ -101,10 +89,10 @@ def _transferred(path: Path, heal: bool) -> TDocStd_Document:
         for step in HEALING:
             off.Bind(TCollection_AsciiString(f"FixShape.{step}"), TCollection_AsciiString("0"))
         reader.SetShapeFixParameters(off)
-    with occ.kernel(f"reading {path.name}", AGAIN):
-        read = reader.ReadFile(str(path)) == IFSelect_ReturnStatus.IFSelect_RetDone
+    with occ.kernel(f"reading {name}", AGAIN):
+        read = reader.ReadStream(name, io.BytesIO(content)) == IFSelect_ReturnStatus.IFSelect_RetDone
         if not (read and reader.Transfer(document)):
-            raise KernelError(f"{path.name} has a damaged data section: {AGAIN}")
+            raise KernelError(f"{name} has a damaged data section: {AGAIN}")
     return document
 
 

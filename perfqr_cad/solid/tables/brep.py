@@ -10,9 +10,8 @@ from dataclasses import dataclass, fields
 from typing import Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.rings import following, owners
 from perfqr_cad.solid.tables.batches import Curves, Surfaces
 
@@ -65,12 +64,12 @@ class Brep:
     curves: CurveTable
     tolerance_mm: Array
     edges: Indices
-    ahead: NDArray[np.bool_]
+    ahead: Mask
     images: CurveTable
     loops: Indices
     bounds: Indices
     surfaces: SurfaceTable
-    outward: NDArray[np.bool_]
+    outward: Mask
     shells: Indices
 
     def __post_init__(self) -> None:

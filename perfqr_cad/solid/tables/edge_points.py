@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.arrays import Array, Indices, Mask
 from perfqr_cad.geometry.rings import numbering, owners, starts_of
 from perfqr_cad.solid.tables.batches import Lines, Planes
 from perfqr_cad.solid.tables.brep import Brep, CurveTable
@@ -40,7 +39,7 @@ class EdgePoints:
         return self.brep.face_of_use
 
     @cached_property
-    def flat(self) -> NDArray[np.bool_]:
+    def flat(self) -> Mask:
         """(U,) whether the face of each use is a plane."""
         found = np.zeros(self.brep.face_count, np.bool_)
         for batch in self.brep.surfaces:
@@ -88,7 +87,7 @@ class EdgePoints:
         return corners, loops
 
     @cached_property
-    def _jumps(self) -> NDArray[np.bool_]:
+    def _jumps(self) -> Mask:
         """(U,) whether the next image begins elsewhere than one ends: there the surface closes in a point,
         which is a side of the polygon."""
         brep = self.brep
@@ -110,7 +109,7 @@ class EdgePoints:
         return np.round(turns) * periods[face]
 
     @cached_property
-    def _straight(self) -> NDArray[np.bool_]:
+    def _straight(self) -> Mask:
         """(U,) whether a use is a side of its face's polygon, without points between."""
         lines = _are_lines(self.brep.curves, len(self.brep.ends))
         images = _are_lines(self.brep.images, len(self.brep.edges))
@@ -124,7 +123,7 @@ def _along(table: CurveTable, size: int, dimensions: int) -> Array:
     return points
 
 
-def _are_lines(table: CurveTable, size: int) -> NDArray[np.bool_]:
+def _are_lines(table: CurveTable, size: int) -> Mask:
     found = np.zeros(size, np.bool_)
     for batch in table:
         found[batch.rows] = isinstance(batch.of, Lines)

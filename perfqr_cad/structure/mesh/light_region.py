@@ -15,7 +15,7 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
 from perfqr_cad.errors import AnalysisError
-from perfqr_cad.pattern.bridge import LEAST_SLOT_MM
+from perfqr_cad.pattern.bridge import LEAST_SLOT_DEPTH_MM
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern
@@ -64,7 +64,7 @@ def thin_parts(pattern: Pattern, wall_mm: float) -> tuple[ThinPart, ...]:
     return tuple(
         ThinPart(Polygon(bar.corners()), bar.height_mm)
         for bar in pattern.recessed
-        if bar.height_mm is not None and bar.height_mm + LEAST_SLOT_MM <= wall_mm
+        if bar.height_mm is not None and bar.height_mm + LEAST_SLOT_DEPTH_MM <= wall_mm
     )
 
 

@@ -4,12 +4,16 @@
 size = 12; // [12:1:48]
 // Thickness of the part, mm
 thickness = 1.5; // [0.2:0.1:20]
+// How far the letters stand out of the part, mm; below 0 they are engraved
+relief = 0.4; // [-10:0.1:10]
 // Thickness of a closed plate behind the part, mm; 0 for none
-backing = 0; // [0:0.1:10]
+backing = 1; // [0:0.1:10]
+// Gap before that plate, mm
+gap = 0.2; // [0:0.1:10]
 
 /* [Hidden] */
 drawn_size = 12;
-points = [
+pattern_points = [
   [-6,-4],[6,-4],[6,3],[5.9659258,3.258819],[5.8660254,3.5],[5.7071068,3.7071068],
   [5.5,3.8660254],[5.258819,3.9659258],[5,4],[-6,4],[-1.75,1],[-1.789271,0.6891376],
   [-1.9046166,0.3978079],[-2.0887892,0.1443161],[-2.3302165,-0.0554099],[-2.6137288,-0.1888206],[-2.9215119,-0.2475334],[-3.2342266,-0.2278591],
@@ -20,18 +24,48 @@ points = [
   [3.212828,-1.1020408],[3,-1.125],[2.787172,-1.1020408],[2.5830904,-1.0331633],[2.3965015,-0.9183673],[2.2361516,-0.7576531],
   [2.1107872,-0.5510204],[2.0291545,-0.2984694]
 ];
-// The outline first, then the holes.
-paths = [
+pattern_paths = [
   [0,1,2,3,4,5,6,7,8,9],[10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32,33,34],[35,36,37,38,39,40,41,42,43,44,45,46,47,48,49]
 ];
 
 module pattern() {
-    scale(size / drawn_size) polygon(points, paths, convexity = 10);
+    scale(size / drawn_size) polygon(pattern_points, pattern_paths, convexity = 10);
 }
+
+plate_points = [
+  [-6,-4],[6,-4],[6,3],[5.9659258,3.258819],[5.8660254,3.5],[5.7071068,3.7071068],
+  [5.5,3.8660254],[5.258819,3.9659258],[5,4],[-6,4],[-1.75,1],[-1.789271,0.6891376],
+  [-1.9046166,0.3978079],[-2.0887892,0.1443161],[-2.3302165,-0.0554099],[-2.6137288,-0.1888206],[-2.9215119,-0.2475334],[-3.2342266,-0.2278591],
+  [-3.5322241,-0.1310338],[-3.79678,0.0368584],[-4.0112712,0.2652684],[-4.1622206,0.5398443],[-4.2401434,0.8433335],[-4.2401434,1.1566665],
+  [-4.1622206,1.4601557],[-4.0112712,1.7347316],[-3.79678,1.9631416],[-3.5322241,2.1310338],[-3.2342266,2.2278591],[-2.9215119,2.2475334],
+  [-2.6137288,2.1888206],[-2.3302165,2.0554099],[-2.0887892,1.8556839],[-1.9046166,1.6021921],[-1.789271,1.3108624]
+];
+plate_paths = [
+  [0,1,2,3,4,5,6,7,8,9],[10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32,33,34]
+];
 
 module plate() {
-    scale(size / drawn_size) polygon(points, [paths[0]]);
+    scale(size / drawn_size) polygon(plate_points, plate_paths, convexity = 10);
 }
 
-linear_extrude(height = thickness, convexity = 10) pattern();
-if (backing > 0) color("black") translate([0, 0, -backing]) linear_extrude(height = backing) plate();
+letters_points = [
+  [-1,-3.5],[1,-3.5],[1,-2],[-1,-2],[-0.5,-3],[-0.5,-2.5],
+  [0.5,-2.5],[0.5,-3]
+];
+letters_paths = [
+  [0,1,2,3],[4,5,6,7]
+];
+
+module letters() {
+    scale(size / drawn_size) polygon(letters_points, letters_paths, convexity = 10);
+}
+
+color([0.92,0.92,0.9]) difference() {
+    union() {
+        linear_extrude(height = thickness, convexity = 10) pattern();
+        if (relief > 0) translate([0, 0, thickness]) linear_extrude(height = relief) letters();
+    }
+    if (relief < 0) translate([0, 0, thickness + relief]) linear_extrude(height = 1 - relief) letters();
+}
+
+if (backing > 0) color([0.05,0.05,0.06]) translate([0, 0, -gap - backing]) linear_extrude(height = backing) plate();

@@ -115,13 +115,13 @@ def test_missing_sets_files_and_templates(tmp_path: Path) -> None:
     broken.write_text("{")
     with pytest.raises(TemplateError, match="it has a"):
         catalog.read_parameter_set(good, "b")
-    with pytest.raises(TemplateError, match="no OpenSCAD parameter-set file"):
+    with pytest.raises(TemplateError, match="is no JSON"):
         catalog.read_parameter_set(broken, "a")
-    with pytest.raises(TemplateError, match="cannot read"):
+    with pytest.raises(TemplateError, match="cannot be read"):
         catalog.read_parameter_set(tmp_path / "none.json", "a")
     with pytest.raises(TemplateError, match="shipped are"):
         catalog.find("nothing")
-    with pytest.raises(TemplateError, match="cannot read"):
+    with pytest.raises(TemplateError, match="cannot be read"):
         catalog.find(str(tmp_path / "none.py"))
 
 

@@ -12,7 +12,7 @@ import shapely
 import shapely.affinity
 
 from perfqr_cad.geometry import Arc, Bezier, Circle, Line, Loop, Region, Triangles
-from perfqr_cad.pattern import Bridge
+from perfqr_cad.pattern import Bridge, PatternSpec
 from perfqr_cad.surface import Cylinder, Placement, Plane
 
 IVORY, BLACK = (0.92, 0.92, 0.90), (0.05, 0.05, 0.06)
@@ -26,6 +26,9 @@ class Body:
     colour: tuple[float, float, float]
     volume_mm3: float
     extras: tuple[Body, ...] = ()
+    letters: tuple[Region, ...] = ()
+    relief_mm: float = 0.0
+    is_carved: bool = False
 
     @property
     def bbox_mm(self) -> tuple[list[float], list[float]]:
@@ -39,6 +42,16 @@ class Drawn:
 
     region: Region
     bridges: tuple[Bridge, ...] = ()
+    spec: PatternSpec = field(default_factory=PatternSpec)
+    size_mm: float = 0.0
+
+    @property
+    def front(self) -> tuple[Region, ...]:
+        return (self.region,)
+
+    @property
+    def recessed(self) -> tuple[Bridge, ...]:
+        return tuple(bridge for bridge in self.bridges if bridge.is_recessed)
 
     @property
     def polygon(self) -> shapely.Polygon:
@@ -65,6 +78,13 @@ class Part:
         plate = extrude(width, Plane(BACKING_MM), lift_mm=-BACKING_MM)
         backing = Body(plate, "backing", BLACK, plate.volume_mm3)
         return replace(self, solid=replace(self.solid, extras=(backing,)))
+
+    def with_letter(self, relief_mm: float) -> Part:
+        """An O of 0.64 mm² on the plate, raised or sunk, in the volume though not in the triangles."""
+        letter = letter_o()
+        volume_mm3 = self.solid.volume_mm3 + letter.area * relief_mm
+        solid = replace(self.solid, letters=(letter,), relief_mm=relief_mm, volume_mm3=volume_mm3)
+        return replace(self, solid=solid)
 
 
 def extrude(polygon: shapely.Polygon, placement: Placement, lift_mm: float = 0.0) -> Triangles:
@@ -111,6 +131,15 @@ def curved_region() -> Region:
     )
     holes = tuple(loop.oriented(ccw=False) for loop in (Loop((Circle((-6, 0), 1.5, False),)), drop, slot))
     return Region(outer, holes)
+
+
+def letter_o() -> Region:
+    """A square ring about (3.5, -3.5): an outline and a counter."""
+
+    def square(half: float) -> list[tuple[float, float]]:
+        return [(3.5 + x * half, -3.5 + y * half) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+
+    return Region(Loop.from_points(square(0.5)), (Loop.from_points(square(0.3)[::-1]),))
 
 
 def code_region(text: str, size_mm: float) -> Region:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import stat
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,7 @@ LIGHT = ["part.stl", "part.svg", "part.json"]
 
 def test_every_format_has_a_module():
     for suffix, module in export.FORMATS.items():
-        assert (Path(export.__file__).parent / f"{module}.py").exists(), suffix
+        assert callable(import_module(f"perfqr_cad.export.{module}").write), suffix
 
 
 def test_one_file(plate, tmp_path):
@@ -42,10 +43,23 @@ def test_unknown_suffix_names_the_known_ones(plate, tmp_path, name):
     assert not list(tmp_path.iterdir())
 
 
-def test_missing_folder_is_refused(plate, tmp_path):
-    for act in (lambda p: export.write(plate, p), lambda p: export.check([p])):
-        with pytest.raises(DesignError, match="no such file or directory"):
-            act(tmp_path / "absent" / "part.stl")
+def test_a_missing_folder_is_made(plate, tmp_path):
+    export.check([tmp_path / "absent" / "part.stl"])
+    assert not list(tmp_path.iterdir())
+    assert export.write(plate, tmp_path / "absent" / "deeper" / "part.stl").bytes > 0
+
+
+def test_a_name_is_a_file_or_a_folder(tmp_path):
+    for outputs in (["a.svg", "a.svg/"], ["b/", "b/part.svg/c.dxf"]):
+        with pytest.raises(DesignError, match="cannot be a file and a folder"):
+            export.check([f"{tmp_path}/{output}" for output in outputs])
+
+
+def test_a_name_too_long_is_refused_before_the_work(tmp_path):
+    with pytest.raises(DesignError, match="name too long") as caught:
+        export.check([tmp_path / ("n" * 300 + ".stl")])
+    assert len(str(caught.value)) < 350
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_file_in_the_place_of_the_folder_is_refused(plate, tmp_path):
@@ -59,7 +73,7 @@ def test_a_file_in_the_place_of_the_folder_is_refused(plate, tmp_path):
 def test_a_folder_in_the_place_of_the_file_is_refused(plate, tmp_path, light_folder):
     (tmp_path / "out" / "part.stl").mkdir(parents=True)
     with pytest.raises(DesignError, match="is a folder"):
-        export.write_all(plate, tmp_path / "out")
+        export.write_outputs(plate, [f"{tmp_path / 'out'}/"])
     assert [p.name for p in (tmp_path / "out").iterdir()] == ["part.stl"]
 
 

@@ -42,7 +42,7 @@ def folders(tmp_path_factory):
         patch.setattr(view, "WIDTH_PX", 240)
         patch.setattr(view, "HEIGHT_PX", 180)
         patch.setattr(page, "PICTURE_PX", (240, 180))
-        records = [export.write_all(made, root / name) for name in ("first", "deeper/second")]
+        records = [export.write_outputs(made, [f"{root / name}/"]) for name in ("first", "deeper/second")]
     return root / "first", root / "deeper" / "second", records
 
 

@@ -9,6 +9,7 @@ import pytest
 import trimesh
 
 from perfqr_cad.export import scad
+from perfqr_cad.pattern import Hole, Surround
 
 OPENSCAD = pytest.mark.skipif(not shutil.which("openscad"), reason="openscad is not installed")
 
@@ -33,6 +34,7 @@ def test_parameters_stand_on_top_with_ranges(plate, tmp_path):
         "// Thickness of a closed plate behind the part, mm; 0 for none",
         "backing = 0; // [0:0.1:10]",
     ]
+    assert "letters" not in (tmp_path / "part.scad").read_text()
 
 
 @OPENSCAD
@@ -63,7 +65,37 @@ def test_curved_part_is_a_polyhedron(wrapped, tmp_path):
     assert mesh.volume == pytest.approx(wrapped.solid.volume_mm3, rel=1e-5)
 
 
-def test_a_flat_part_of_other_volume_is_no_extrusion(plate):
-    assert scad.is_extrusion(plate)
-    flared = replace(plate, solid=replace(plate.solid, volume_mm3=plate.solid.volume_mm3 * 0.99))
-    assert not scad.is_extrusion(flared)
+@OPENSCAD
+@pytest.mark.parametrize("relief_mm", [0.4, -0.5])
+def test_letters_and_backing_are_in_the_extrusion(plate, tmp_path, relief_mm):
+    design = plate.with_backing().with_letter(relief_mm)
+    scad.write(design, tmp_path / "part.scad")
+    assert "polyhedron(" not in (tmp_path / "part.scad").read_text()
+    mesh = rendered(tmp_path)
+    assert mesh.is_watertight
+    assert mesh.bounds[:, 2] == pytest.approx([-1, 2 + max(relief_mm, 0)])
+    (backing,) = design.solid.extras
+    outer = plate.pattern.region.outer.area  # the fake backing has sharp corners, the source rounds them
+    assert backing.volume_mm3 == pytest.approx(200.0)
+    assert mesh.volume == pytest.approx(plate.pattern.region.area * 2 + 0.64 * relief_mm + outer, rel=2e-3)
+
+
+@OPENSCAD
+def test_mounting_holes_go_through_the_backing(plate, tmp_path):
+    hole = Hole(-6, 0, 3.0)
+    spec = replace(plate.pattern.spec, surround=Surround(holes=(hole,)))
+    design = replace(plate.with_backing(), pattern=replace(plate.pattern, spec=spec))
+    scad.write(design, tmp_path / "part.scad")
+    outer, opened = plate.pattern.region.outer.area, hole.diameter_mm**2 * np.pi / 4
+    volume = plate.pattern.region.area * 2 + outer - opened
+    assert rendered(tmp_path).volume == pytest.approx(volume, rel=2e-3)
+
+
+@OPENSCAD
+def test_a_backing_behind_a_polyhedron(wrapped, tmp_path):
+    plate_mm3 = wrapped.with_backing().solid.extras[0].volume_mm3
+    scad.write(wrapped.with_backing(), tmp_path / "part.scad")
+    both = rendered(tmp_path).volume
+    alone = rendered(tmp_path, "-D", "backing=false").volume
+    assert alone == pytest.approx(wrapped.solid.volume_mm3, rel=1e-5)
+    assert both == pytest.approx(alone + plate_mm3, rel=1e-5)

@@ -61,10 +61,48 @@ def test_arc_beyond_half_a_turn_takes_the_long_way():
 
 def test_bridges_are_an_overlay_only_when_asked_for(text, plate):
     assert "bridge" not in text
-    drawn = svg.drawing(plate.pattern, title="t", bridges=True)
+    drawn = svg.drawing(plate, bridges=True)
     lines = ElementTree.fromstring(drawn).findall("svg:line", NS)
     assert [line.get("class") for line in lines] == ["bridge connectivity", "bridge structural"]
     assert lines[0].attrib.items() >= {"y1": "1.5", "y2": "-1.5", "stroke-width": "0.8"}.items()
+
+
+@pytest.fixture
+def cut(plate, tmp_path):
+    svg.write(plate.with_letter(-0.4), tmp_path / "cut.svg", variant="cut")
+    return (tmp_path / "cut.svg").read_text("utf-8")
+
+
+def test_a_cutter_gets_hairlines_by_operation(cut):
+    root = ElementTree.fromstring(cut)
+    groups = {group.get("id"): group for group in root.findall("svg:g", NS)}
+    assert {name: group.get("stroke") for name, group in groups.items()} == {
+        "engrave": "#0000ff",
+        "cut": "#ff0000",
+    }
+    assert {(g.get("fill"), g.get("stroke-width")) for g in groups.values()} == {("none", "0.01")}
+    assert (root.get("width"), root.get("viewBox")) == ("20mm", "-10 -5 20 10")
+
+
+def test_every_path_is_one_closed_loop_and_the_outline_comes_last(cut, tmp_path, plate):
+    (tmp_path / "a.svg").write_text(cut)
+    found = [e for e in SVG.parse(tmp_path / "a.svg", ppi=25.4).elements() if isinstance(e, Path)]
+    assert [len(list(path.as_subpaths())) for path in found] == [1] * 6
+    assert [path.d().count("M") for path in found] == [path.d().upper().count("Z") for path in found]
+    widths = [box[2] - box[0] for box in (path.bbox(with_stroke=False) for path in found)]
+    assert widths[0] < widths[1]  # the counter of the letter before its outline
+    assert widths[-1] == pytest.approx(20)
+    assert max(widths[:-1]) < 20
+
+
+def test_a_cutter_gets_no_empty_group(plate):
+    assert 'id="engrave"' not in svg.hairlines(plate)
+
+
+def test_letters_lie_on_the_filled_part(plate):
+    groups = ElementTree.fromstring(svg.drawing(plate.with_letter(0.4))).findall("svg:g", NS)
+    assert [group.get("id") for group in groups] == ["engrave"]
+    assert len(groups[0].findall("svg:path", NS)) == 1
 
 
 def test_title_is_escaped(plate, tmp_path):

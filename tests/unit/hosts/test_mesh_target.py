@@ -67,7 +67,7 @@ def test_files_that_are_no_meshes(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(data)
         with pytest.raises(KernelError, match=says):
             read_mesh(tmp_path / name)
-    with pytest.raises(KernelError, match="no such file"):
+    with pytest.raises(KernelError, match="No such file"):
         read_mesh(tmp_path / "none.stl")
 
 

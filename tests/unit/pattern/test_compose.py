@@ -6,7 +6,7 @@ from shapely import box, union_all
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern import Bridge, PatternSpec, build
-from perfqr_cad.pattern.drawing.finish import web_pieces
+from perfqr_cad.pattern.drawing.contours import web_pieces
 from perfqr_cad.symbol import encode
 
 TEXT = "https://example.org/p/1234567"

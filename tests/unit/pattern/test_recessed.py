@@ -8,8 +8,8 @@ from perfqr_cad.capture import Art
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Line
 from perfqr_cad.pattern import Bridge, PatternSpec, build
-from perfqr_cad.pattern.drawing.front import joined
-from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT, SLOT
+from perfqr_cad.pattern.drawing.front import front_with_bars
+from perfqr_cad.pattern.joining.rings import DARK_MM, LEAST_SLOT_MODULES, SLOT, WIDE, WIDE_MM
 from perfqr_cad.symbol import encode
 
 RINGS = {1: 3, 2: 4, 6: 4, 7: 9}  # finders and alignment patterns
@@ -47,11 +47,12 @@ def traced(pattern):
 @pytest.mark.parametrize("version", RINGS)
 def test_rings_have_recessed_bars_wherever_banks_allow(version):
     pattern = made(version, bar_height_mm=0.5)
-    assert sum(bridge.stage == "function" for bridge in pattern.bridges) == RINGS[version]
-    assert len(pattern.recessed) >= 3
+    bars = sum(bridge.stage == "function" for bridge in pattern.bridges)
+    assert bars == RINGS[version] + 2  # two on each of the upper finders
+    assert len(pattern.recessed) >= 5
     assert {bridge.height_mm for bridge in pattern.recessed} == {0.5}
     assert len(traced(pattern)) == 1
-    assert len(pattern.front) == 1 + len(pattern.recessed)
+    assert len(pattern.front) == 1 + len(pattern.recessed) - 2
     assert_front_and_bars_are_the_region(pattern)
 
 
@@ -66,7 +67,7 @@ def test_dark_material_has_one_recessed_bar(version):
 
 @pytest.mark.parametrize("nozzle_mm", [0.2, 0.4])
 def test_only_bars_in_pinched_slots_may_be_a_nozzle_line_wide(nozzle_mm):
-    pattern = made(nozzle_mm=nozzle_mm, size_mm=60.0, bar_width_mm=nozzle_mm)
+    pattern = made(nozzle_mm=nozzle_mm, size_mm=60.0, bars=1, bar_width_mm=nozzle_mm)
     cell = pattern.canvas.lattice.cell_mm
     lines = [bar.width_mm for bar in pattern.recessed if bar.pinched]
     assert nozzle_mm <= min(lines) <= max(lines) < nozzle_mm + 2 * cell
@@ -80,11 +81,51 @@ def test_only_bars_in_pinched_slots_may_be_a_nozzle_line_wide(nozzle_mm):
     assert wide.polygon.buffer(-0.98 * wide.spec.web_mm / 2).geom_type == "Polygon"
 
 
+def bars_of_finders(pattern):
+    """Their recessed bars: versions up to 6 have no other rings outside of the lower right quarter."""
+    return [bar for bar in pattern.recessed if bar.start[0] < 0 or bar.start[1] > 0]
+
+
+@pytest.mark.parametrize("module_mm", [1.2, 1.6, 3.0])
+def test_bars_of_finders_are_wide_but_no_wider_than_helps(module_mm):
+    pattern = made(size_mm=33 * module_mm, bars=1)
+    cell = pattern.canvas.lattice.cell_mm
+    for bar in bars_of_finders(pattern):
+        assert bar.width_mm == pytest.approx(min(WIDE * module_mm, WIDE_MM), abs=2 * cell)
+    narrow = made(size_mm=33 * module_mm, bars=1, bar_width_mm=0.8)
+    assert max(bar.width_mm for bar in bars_of_finders(narrow)) < 0.8 + 2 * cell
+
+
+@pytest.mark.parametrize("version", [1, 2, 6])
+def test_two_bars_lie_by_both_ends_of_a_side_and_are_one_where_the_slot_is_pinched(version):
+    pattern = made(version)
+    (both,) = traced(pattern)
+    assert both.pinched
+    assert both.width_mm == pytest.approx(
+        2 * WIDE * pattern.module_mm, abs=2 * pattern.canvas.lattice.cell_mm
+    )
+    upper = [bar for bar in bars_of_finders(pattern) if bar is not both]
+    assert len(upper) == 4
+    assert not any(bar.pinched for bar in upper)
+    for one, other in (upper[:2], upper[2:]):
+        assert one.start[1] == pytest.approx(other.start[1])  # across the same side
+        middle = (one.start[0] + other.start[0]) / 2
+        ring = pattern.symbol.size / 2 - 3.5
+        assert abs(middle) == pytest.approx(ring * pattern.module_mm, abs=1e-6)
+    assert len(pattern.front) == 1 + RINGS[version]
+    assert_front_and_bars_are_the_region(pattern)
+
+
+def test_more_bars_than_two_are_refused():
+    with pytest.raises(DesignError, match="outside 1 to 2"):
+        PatternSpec(bars=3)
+
+
 def test_slots_are_pinched_at_the_traced_ring_and_at_alignment_patterns_but_not_at_the_upper_finders():
     pattern = made(7)
     inside = pattern.symbol.size / 2 * pattern.module_mm - 7 * pattern.module_mm
     upper = [bar for bar in pattern.recessed if bar.start[1] > inside and abs(bar.start[0]) > inside]
-    assert [bar.pinched for bar in upper] == [False, False]
+    assert [bar.pinched for bar in upper] == [False] * 4
     (bar,) = traced(pattern)
     assert bar.pinched
     assert sum(bar.pinched for bar in pattern.recessed) > 1
@@ -121,7 +162,7 @@ def slot_mm(**settings):
 def test_the_slot_is_narrow_but_no_narrower_than_a_gap():
     assert slot_mm() == pytest.approx(SLOT * 1.2, abs=0.06)
     assert slot_mm(size_mm=33 * 2.4) == pytest.approx(DARK_MM, abs=0.2)  # a cell
-    assert slot_mm(size_mm=33 * 4.0) == pytest.approx(LEAST_SLOT * 4.0, abs=0.06)
+    assert slot_mm(size_mm=33 * 4.0) == pytest.approx(LEAST_SLOT_MODULES * 4.0, abs=0.06)
     assert slot_mm(min_gap_mm=1.0) >= 1.0
 
 
@@ -177,6 +218,6 @@ def test_a_bar_that_hangs_in_the_air_is_refused():
     pattern = made()
     astray = Bridge((0.01, 0.02), (1.01, 0.02), 0.8, "function", 0.0, 0.6)
     with pytest.raises(DesignError, match="no straight edge"):
-        joined(pattern.front, [astray])
+        front_with_bars(pattern.front, [astray])
     with pytest.raises(DesignError, match="pieces are left"):
-        joined(pattern.front, [])
+        front_with_bars(pattern.front, [])

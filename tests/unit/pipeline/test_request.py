@@ -6,6 +6,8 @@ from typing import get_args
 import pytest
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.export.dxf import DxfVersion
+from perfqr_cad.export.svg import SvgVariant
 from perfqr_cad.pattern.spec import CHOICES as SPEC_CHOICES
 from perfqr_cad.pipeline.chain import make
 from perfqr_cad.pipeline.parameter import Parameter
@@ -75,6 +77,8 @@ def test_the_choices_are_those_that_the_layers_know() -> None:
     assert set(by_name.pop("level")) == set(get_args(Level))
     assert by_name.pop("material") == list(MATERIALS)
     assert set(by_name.pop("support")) == {hold.value for hold in Hold}
+    assert by_name.pop("dxf") == list(get_args(DxfVersion))
+    assert by_name.pop("svg") == list(get_args(SvgVariant))
     assert by_name == {"method": ["optimal", "paper"]}
 
 

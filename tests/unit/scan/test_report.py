@@ -55,13 +55,6 @@ def test_advice_names_what_falls_short_of_the_print():
     assert sentences(neither) == ("quirc does not read the flat print of this code either",)
 
 
-def test_heat_map_shows_reads_and_misses_in_different_colours():
-    good = report(result("a", (1.0,) * 4)).heat_map()
-    bad = report(result("a", (0.0,) * 4)).heat_map()
-    assert good.shape == bad.shape
-    assert not np.array_equal(good, bad)
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
     import trimesh

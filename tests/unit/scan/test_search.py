@@ -28,7 +28,7 @@ def legible(dark, thickness, tilt):
 
 
 def test_thin_plates_and_small_tilts_are_more_legible(dark):
-    assert legible(dark, 0.5, 0.0).misread == 0
+    assert (legible(dark, 0.5, 0.0).margins >= 0).all()
     assert legible(dark, 0.5, 40.0).score > legible(dark, 2.0, 40.0).score
     assert legible(dark, 2.0, 10.0).score > legible(dark, 2.0, 50.0).score
 

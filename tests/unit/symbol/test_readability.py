@@ -56,12 +56,3 @@ def test_tracker_agrees_with_the_full_count_on_a_random_walk() -> None:
         tracker.flip(row, column)
         assert tracker.readability() == expected
         assert tracker.total == expected.total
-
-
-def test_tracker_copy_is_independent() -> None:
-    symbol = encode("HELLO", version=4, level="M")
-    tracker = ReadabilityTracker(symbol)
-    twin = tracker.copy()
-    row, column = layout(4, "M").modules[0, 0]
-    twin.flip(int(row), int(column))
-    assert (tracker.total, twin.total > 0) == (0.0, True)

@@ -66,7 +66,7 @@ def design(code):
     dark = symbol.matrix.dark.copy()
     dark[12, 12] ^= True
     bridge = Bridge((1.5, -2.0), (2.5, -2.0), 0.4, "structural", 1.0)
-    pattern = Coded(code.pattern.region, (bridge,), symbol, Matrix(dark))
+    pattern = Coded(code.pattern.region, (bridge,), symbol=symbol, observed=Matrix(dark))
     facts = {
         "payload": "TEXT & <more>",
         "symbol": {"version": 1, "level": "M"},
@@ -84,7 +84,7 @@ def filmed(design):
         "zbar": DecoderResult("zbar", (0.0, 30.0), (1.0, 0.5), (1.0, 1.0)),
         "OpenCV": DecoderResult("OpenCV", (0.0, 30.0), (0.0, 0.0), (1.0, 1.0)),
     }
-    missed = FilmedView(grey, 30.0, 90.0, (), ("zbar", "OpenCV"))
+    missed = FilmedView(grey, 30.0, 90.0, ())
     return replace(
         design,
         scan=ScanReport("TEXT", results, {"black": 0.95}, first_missed=missed, advice=("thin the bridge",)),

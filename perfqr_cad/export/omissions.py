@@ -1,0 +1,33 @@
+"""What a file does not hold of a design, by the module that writes it: nothing is left out without a word."""
+
+from __future__ import annotations
+
+from perfqr_cad.export import cutting
+from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.geometry import Bezier
+
+FLAT = ("dxf", "svg")  # formats of the pattern's plane
+ONE_BODY = (*FLAT, "stl")
+
+
+def leaves_out(design: DesignView, module: str) -> tuple[str, ...]:
+    """Bodies of the design that are not in the file."""
+    left: list[str] = []
+    if module in ONE_BODY:
+        left += [f"the {extra.name}" for extra in design.solid.extras]
+    if module in FLAT and design.solid.is_carved:
+        left.append("the body around the code")
+    return tuple(left)
+
+
+def notes(design: DesignView, module: str) -> tuple[str, ...]:
+    """What the file shows otherwise than the part is."""
+    if module not in FLAT:
+        return ()
+    work = cutting.cut(design)
+    curved = any(isinstance(s, Bezier) for loop in (*work.engrave, *work.through) for s in loop.segments)
+    if module == "dxf" and curved:
+        from perfqr_cad.export.dxf import ARC_TOL_MM
+
+        return (*cutting.notes(design), f"curves are arcs within {ARC_TOL_MM:g} mm")
+    return cutting.notes(design)
