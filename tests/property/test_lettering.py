@@ -28,8 +28,8 @@ texts = st.one_of(
     st.lists(runs, min_size=2, max_size=3).map("\n".join),
     st.text(max_size=5),
 )
-many = settings(max_examples=60, deadline=None, derandomize=True)
-few = settings(max_examples=10, deadline=None, derandomize=True)
+many = settings(max_examples=60, deadline=None)
+few = settings(max_examples=10, deadline=None)
 
 
 def or_one_line(draw: Callable[[], tuple[Region, ...]]) -> tuple[Region, ...]:
