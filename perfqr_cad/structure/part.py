@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from shapely.geometry import Polygon
 
-from perfqr_cad.structure.mesh.light_region import ThinPart, thin_parts
+from perfqr_cad.structure.mesh.light_region import ThinPart, thin_parts, with_roots
 from perfqr_cad.structure.mesh.tiling import Lattice
 from perfqr_cad.surface import Placement
 
@@ -31,12 +31,13 @@ class Part:
     web_mm: float | None = None
 
     @staticmethod
-    def of(pattern: Pattern, placement: Placement) -> Part:
-        """That of a pattern, recessed bars with their own thickness."""
+    def of(pattern: Pattern, placement: Placement, *, roots: bool = True) -> Part:
+        """That of a pattern, recessed bars with their own thickness, and `roots` as a shell needs them."""
+        thin = thin_parts(pattern, placement.thickness_mm)
         return Part(
             pattern.polygon,
             placement,
-            thin_parts(pattern, placement.thickness_mm),
+            with_roots(thin) if roots else thin,
             lattice_of(pattern),
             pattern.spec.web_mm,
         )

@@ -281,8 +281,9 @@ def test_the_optimal_choice_ends_no_worse_than_the_paper_s(
     assert paper.strong
     assert best.strong
     assert sum(best.pattern.readability.errors) <= sum(paper.pattern.readability.errors)
-    assert len(best.bridges) <= len(paper.bridges)
-    assert len(best.bridges) > 0
+    fewer = len(best.bridges) <= len(paper.bridges)
+    assert fewer or best.after.max_stress_mpa < 0.8 * paper.after.max_stress_mpa
+    assert 0 < len(best.bridges) <= 3
 
 
 def test_bars_are_looked_for_in_holes_that_fall_into_pieces_when_shrunk() -> None:
