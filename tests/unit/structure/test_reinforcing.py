@@ -17,7 +17,7 @@ from perfqr_cad.structure.elements.assembly import System
 from perfqr_cad.structure.elements.solvers import factorise
 from perfqr_cad.structure.measure import von_mises
 from perfqr_cad.structure.mesh.seeding import MeshSize
-from perfqr_cad.structure.mesh.tiling import Lattice
+from perfqr_cad.structure.mesh.tiling import TileLattice
 from perfqr_cad.structure.mesh.triangle import Floats
 from perfqr_cad.structure.part import lattice_of
 from perfqr_cad.structure.reinforcement.bar_candidates import Allowance, Budget, Candidates, affordable
@@ -45,7 +45,7 @@ def bars() -> Candidates:
 
 
 def begin(
-    placement: Placement | None = None, solver: str | None = None, lattice: Lattice | None = None
+    placement: Placement | None = None, solver: str | None = None, lattice: TileLattice | None = None
 ) -> Reanalysis:
     size = pattern().module_mm
     part = Part(pattern().polygon, placement or Plane(2.0), lattice=lattice)
