@@ -80,7 +80,6 @@ def test_the_choices_are_those_that_the_layers_know() -> None:
     assert set(by_name.pop("support")) == {hold.value for hold in Hold}
     assert by_name.pop("dxf") == list(get_args(DxfVersion))
     assert by_name.pop("svg") == list(get_args(SvgVariant))
-    assert by_name.pop("caption_place") == list(get_args(Place))
     assert by_name == {"method": ["optimal", "paper"]}
 
 
