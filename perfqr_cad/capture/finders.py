@@ -21,6 +21,7 @@ CLUSTER_MODULES = 1.2  # hits nearer than this belong to one finder
 CROSSING_MODULES = 1.0  # between the centres found along rows and along columns
 LEAST_SUPPORT = 0.3  # of the three modules of scan lines that cross a finder's core
 SAME_SIZE = 1.8  # ratio of the module widths of two finders of one symbol, at the most
+MAX_HITS = 40_000  # the longest; a textured photograph of 1 megapixel has 10,000, noise 300,000
 MAX_FINDERS = 14  # best supported; 364 triples
 MAX_TRIPLES = 8
 MAX_SIDES_RATIO = 2.2  # of the two sides of a symbol under perspective
@@ -102,7 +103,10 @@ def _hits(dark: NDArray[np.bool_]) -> NDArray[np.float64]:
         np.abs(runs - PROFILE * length[:, None]) <= PROFILE_TOLERANCE * length[:, None] + 0.5, axis=1
     )
     y, x = np.divmod((ends[good, 2] + ends[good, 3]) / 2, width + 2)
-    return np.stack([x - 1.5, y, length[good]], axis=1)
+    hits = np.stack([x - 1.5, y, length[good]], axis=1)
+    if len(hits) <= MAX_HITS:
+        return hits
+    return hits[np.sort(np.argsort(-hits[:, 2], kind="stable")[:MAX_HITS])]
 
 
 def _clusters(hits: NDArray[np.float64]) -> list[NDArray[np.float64]]:

@@ -13,7 +13,7 @@ from perfqr_cad.capture.engines import Sighting, engines
 from perfqr_cad.capture.grid import Floats
 from perfqr_cad.isolated import IsolationError, Limits, kept
 
-LOOKING = Limits(cpu_s=10.0)  # one engine at one picture of 12 megapixels takes 2 s
+LOOKING = Limits(cpu_s=5.0)  # one engine at one photograph of 12 megapixels takes 1 s; at noise, minutes
 
 
 @dataclass(frozen=True, eq=False)
