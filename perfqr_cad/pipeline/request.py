@@ -37,6 +37,9 @@ class Request:
     image: str | None = setting(
         None, "a picture of a code, instead of a text", group="Code", empty="none", visible=True
     )
+    which: int | None = setting(
+        None, "which of several codes in the picture", group="Code", range=(1, 100), empty="the only one"
+    )
     level: str = setting(
         "M", "error correction level", group="Code", choices=("L:7 %", "M:15 %", "Q:25 %", "H:30 %")
     )
@@ -277,6 +280,8 @@ class Request:
     def __post_init__(self) -> None:
         if (self.text is None) == (self.image is None):
             raise DesignError("give either a text or a picture (--image FILE), not both and not neither")
+        if self.which is not None and self.image is None:
+            raise DesignError("which chooses among the codes in a picture, and none is given: leave it out")
         for declared in SETTINGS:
             given = getattr(self, declared.field)
             object.__setattr__(self, declared.field, declared.check(given, declared.field))
