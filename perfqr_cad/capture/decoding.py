@@ -22,6 +22,7 @@ MAX_SIDE_PX = 30_000  # OpenCV maps pictures of less than 32,767 pixels a side
 WORK_PIXELS = 12_000_000  # a 12-megapixel photograph passes unreduced
 MIN_SIDE_PX = 21  # version 1 at one pixel a module (ISO/IEC 18004 §5.1)
 PALE = 200  # luminance; opaque pixels all above it are light art meant for a dark ground
+LEADING_BYTES = 256  # in which blanks may stand before a program begins
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"  # of UTF-8
 LUMA = np.array([0.299, 0.587, 0.114], np.float32)  # ITU-R BT.601
 # PostScript, the same as old printer drivers begin it, PDF, and EPS with a preview.
@@ -40,10 +41,10 @@ def decoder() -> Callable[[Message], Message]:
 
 def decoded(content: bytes, name: str) -> Picture:
     """The picture in a file's bytes. CaptureError if it is none, damaged, too large or too small."""
-    if content.removeprefix(BYTE_ORDER_MARK).lstrip().startswith(PROGRAMS):
+    if content[:LEADING_BYTES].removeprefix(BYTE_ORDER_MARK).lstrip().startswith(PROGRAMS):
         raise CaptureError(
-            f"{name} is PostScript or PDF, a program that would have to be run: draw it as PNG, with Ghostscript "
-            "by gs -sDEVICE=pnggray -r300 -dEPSCrop -o code.png and its name"
+            f"{name} is PostScript or PDF, a program that would have to be run: draw it as PNG, for example "
+            "with Ghostscript: gs -o code.png -sDEVICE=png16m -r300 -dEPSCrop FILE"
         )
     try:
         with warnings.catch_warnings():

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from perfqr_cad.capture.art import art_of, rectify
 from perfqr_cad.capture.capture import Capture, Sampling
-from perfqr_cad.capture.finders import triples
-from perfqr_cad.capture.grid import CORNERS, Floats, Grid, project
+from perfqr_cad.capture.grid import CORNERS, Floats, Grid
 from perfqr_cad.capture.image import Picture, load_image, luminance
 from perfqr_cad.capture.register import Workspace, correlation, register, workspace
 from perfqr_cad.capture.sampling import (
@@ -28,10 +27,11 @@ from perfqr_cad.capture.sampling import (
     soft_log_likelihood,
     vote_log_likelihood,
 )
-from perfqr_cad.capture.seeds import Seed, opencv_seeds, wechat_seeds, zxing_seeds
+from perfqr_cad.capture.search import distinct, glimpses, seeds
+from perfqr_cad.capture.seeds import Seed
 from perfqr_cad.capture.several import choice, in_reading_order, overlap
 from perfqr_cad.capture.symbologies import other_code
-from perfqr_cad.capture.views import greys, is_colourful, projections, reduced, searched
+from perfqr_cad.capture.views import is_colourful, projections
 from perfqr_cad.capture.warp import bent
 from perfqr_cad.errors import CaptureError, SymbolError
 from perfqr_cad.symbol import Matrix, Recovery, format_candidates, layout, recover, size_of
@@ -42,11 +42,9 @@ LEAST_FIT = 0.35  # correlation with the function patterns; noise and text stay 
 FLAT_FIT = 0.93  # a page that fits so well flat is not bent
 GOOD_FIT = 0.6  # from here on a failure says that the code is damaged, not that there is none
 SIZES_TRIED = 3  # of those that fit best, for a seed that does not know its size
-SEEDS_TRIED = 150  # these two bound the time spent on a picture without a readable code
-CORRECTIONS_TRIED = 8
+CORRECTIONS_TRIED = 8  # with SEEDS_TRIED it bounds the time spent on a picture without a readable code
 LEAST_AGREEMENT = 0.6  # of the modules with the corrected symbol; by chance it is 0.5 ± 0.02
 FORMAT_UNREADABLE = 15  # all bits of the format information
-SAME_PLACE = 0.12  # of a symbol's side: seeds nearer than this are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +97,7 @@ def _first(picture: Picture, name: str, sampling: Sampling) -> _Found:
     """The code that is found with the least effort."""
     damage: tuple[float, str] = (0.0, "")
     tries = 0
-    for view, seed in _distinct(_seeds(picture)):
+    for view, seed in distinct(seeds(picture)):
         for space, grid, fit in _registered(view, seed):
             tries += 1
             if tries > CORRECTIONS_TRIED:
@@ -115,7 +113,7 @@ def _others(picture: Picture, first: _Found, sampling: Sampling) -> list[_Found]
     """The readable codes beside the first, as far as a quick look shows them."""
     codes = [first]
     grey = luminance(picture)
-    for seed in _glimpses(grey):
+    for seed in glimpses(grey):
         if _is_on(codes, seed.outline):
             continue
         for space, grid, fit in _registered(grey, seed):
@@ -134,53 +132,8 @@ def _is_on(codes: list[_Found], corners: Floats) -> bool:
     return any(overlap(one.grid.corners, corners) for one in codes)
 
 
-def _glimpses(grey: Picture) -> Iterator[Seed]:
-    """Guesses that cost little in a picture of any size."""
-    yield from zxing_seeds(grey)
-    small, back = reduced(grey)
-    for decoder in (wechat_seeds, _finder_seeds):
-        for seed in decoder(small):
-            yield replace(seed, places=project(back, seed.places))
-
-
 def _without_idle_colour(picture: Picture) -> Picture:
     return picture if is_colourful(picture) else luminance(picture)
-
-
-def _seeds(picture: Picture) -> Iterator[tuple[Picture, Seed]]:
-    """Guesses by decoders and by our own search, each with the grey view that shows it; cheapest first."""
-    views = greys(picture)
-    for decoder in (zxing_seeds, _finder_seeds, wechat_seeds, opencv_seeds):
-        yield from ((views[0], seed) for seed in decoder(views[0]))
-    for view in views[1:]:
-        for decoder in (zxing_seeds, _finder_seeds):
-            yield from ((view, seed) for seed in decoder(view))
-    for view in views:
-        for name, image, back in searched(view):
-            for decoder in (zxing_seeds, _finder_seeds):
-                for seed in decoder(image):
-                    engine, places = f"{seed.engine}, {name}", project(back, seed.places)
-                    yield view, replace(seed, engine=engine, places=places)
-
-
-def _finder_seeds(image: Picture) -> Iterator[Seed]:
-    for triple in triples(image):
-        yield Seed("finders", triple.centres, triple.sizes, None, True)
-
-
-def _distinct(seeds: Iterator[tuple[Picture, Seed]]) -> Iterator[tuple[Picture, Seed]]:
-    """Seeds that are not where another of their view was already, `SEEDS_TRIED` of them at the most."""
-    seen: list[tuple[int, Floats]] = []
-    for view, seed in seeds:
-        place = np.append(seed.places.mean(axis=0), np.ptp(seed.places, axis=0))
-        near = SAME_PLACE * float(place[2:].max())
-        kind = id(view) + len(seed.places)
-        if any(kind == other and np.abs(place - old).max() < near for other, old in seen):
-            continue
-        seen.append((kind, place))
-        yield view, seed
-        if len(seen) >= SEEDS_TRIED:
-            return
 
 
 def _registered(grey: Picture, seed: Seed) -> Iterator[tuple[Workspace, Grid, float]]:
@@ -313,7 +266,7 @@ def _failure(name: str, picture: Picture, fit: float, damage: str) -> str:
         return f"the code in {name} cannot be read: {damage}"
     other = other_code(picture)
     if other is not None:
-        return f"{name} holds no QR code (Model 2) but {other}; make a QR code of its text with perfqr make --text"
+        return f"{name} holds no QR code but {other}; make a QR code (Model 2) of its text with --text"
     height, width = picture.shape[:2]
     return (
         f"no QR code found in {name} ({width} × {height} pixels): take a sharper, straighter or larger "

@@ -1,4 +1,4 @@
-"""Several codes in one picture: whether two are the same, in which order they are numbered, which is meant."""
+"""Several codes in one picture: whether two are the same, how they are numbered, and which is meant."""
 
 from __future__ import annotations
 
@@ -52,18 +52,19 @@ def choice(payloads: Sequence[Payload], which: int | None, name: str) -> int:
         return 1
     if which is not None and 1 <= which <= count:
         return which
-    shown = [f"{number} {shortened(one)}" for number, one in enumerate(payloads[:LISTED_CODES], start=1)]
+    shown = [f"{number} {_named(one)}" for number, one in enumerate(payloads[:LISTED_CODES], start=1)]
     more = [f"and {count - LISTED_CODES} more"] if count > LISTED_CODES else []
-    held = f"{name} holds {count} QR code{'s' if count > 1 else ''} ({', '.join(shown + more)})"
+    held = f"{name} holds {count} QR code{'s' if count > 1 else ''}: {', '.join(shown + more)}"
+    remedy = f"choose one with --which N, 1 to {count}" if count > 1 else "leave --which out"
     if which is None:
-        raise CaptureError(f"{held}: choose one with --which 1 to {count}")
-    remedy = "leave --which out" if count == 1 else f"choose one with --which 1 to {count}"
-    raise CaptureError(f"{held}, none with number {which}: {remedy}")
+        raise CaptureError(f"{held}; {remedy}")
+    raise CaptureError(f"{held}; there is no number {which}: {remedy}")
 
 
-def shortened(payload: Payload | str) -> str:
-    """The beginning of a payload in quotes, on one line."""
-    text = payload if isinstance(payload, str) else payload.text
-    if text is None:
-        return f"{len(payload.data)} bytes"  # pyright: ignore[reportAttributeAccessIssue]
+def shortened(text: str) -> str:
+    """The beginning of a text in quotes, on one line."""
     return repr(text if len(text) <= LISTED_LETTERS else f"{text[: LISTED_LETTERS - 1]}…")
+
+
+def _named(payload: Payload) -> str:
+    return f"{len(payload.data)} bytes" if payload.text is None else shortened(payload.text)

@@ -280,11 +280,11 @@ class Request:
     def __post_init__(self) -> None:
         if (self.text is None) == (self.image is None):
             raise DesignError("give either a text or a picture (--image FILE), not both and not neither")
-        if self.which is not None and self.image is None:
-            raise DesignError("which chooses among the codes in a picture, and none is given: leave it out")
         for declared in SETTINGS:
             given = getattr(self, declared.field)
             object.__setattr__(self, declared.field, declared.check(given, declared.field))
+        if self.which is not None and self.image is None:
+            raise DesignError("which chooses among the codes in a picture, and none is given: leave it out")
         if len([hole for hole in self.hole_mm if len(hole) == 1]) > 1:
             raise DesignError("hole: two diameters for the holes in the corners: give one, or x,y,diameter")
 
