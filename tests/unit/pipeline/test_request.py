@@ -205,3 +205,11 @@ def test_walls_flare_where_it_helps_and_nothing_else_is_asked(
 ) -> None:
     walls = terms(plate=plate, **asked).walls
     assert (walls.draft_deg, walls.lip_mm) == (draft_deg, lip_mm)
+
+
+def test_a_code_is_chosen_in_pictures_alone() -> None:
+    assert Request(image="two.png", which=2).which == 2
+    with pytest.raises(DesignError, match="which chooses among the codes in a picture"):
+        Request(text="one", which=1)
+    with pytest.raises(DesignError, match="which"):
+        Request(image="two.png", which=0)
