@@ -33,16 +33,35 @@ TEMPLATES = ("plate",) * 30 + ("bottle", "sphere")
 WRONG_LETTERS = ("abc", "", "nan", "inf", "1e999", "-7.5", "0x10", "1,2,3", "true", "[1]", "\t", "é" * 300)
 WRONG_VALUES = ("abc", "", math.nan, math.inf, 10**400, -7.5, [1], {"a": 1}, b"x", True, (), object)
 
-# What people write where the declaration knows letters alone.
+# What people write where the declaration knows letters alone; the odd ones are refused.
 WRITTEN: dict[str, tuple[Any, ...]] = {
-    "caption": ("perfqr", "Tür 7\nlinks", "A", "été", "漢字", "()"),
-    "font": ("DejaVu Sans", "no such font"),
+    "caption": ("perfqr", "Tür 7", "A\nB", "été", "漢字"),
+    "font": ("DejaVu Sans", "DejaVu Sans", "no such font"),
     "load": ("weight", "fingertip=0.2", "push=0.1,bend=0.1", "fingertip=40", "wind"),
-    "require": ("zxing-cpp", "zbar,opencv", "eyes"),
-    "colour": ("white", "blue", "#102030", "grey", "pink"),
-    "ground": ("black", "white", "yellow", "#ffffff"),
-    "hole_mm": (((3.0,),), ((0.0, 21.0, 2.0),), ((0.0, 0.0, 3.0),), ((2.0,), (3.0,))),
+    "require": ("zxing-cpp", "opencv", "zbar,opencv", "eyes"),
+    "colour": ("white", "silver", "natural", "#e0e0f0", "grey", "pink"),
+    "ground": ("black", "black", "red", "#102030", "yellow"),
+    "hole_mm": (((3.0,),), ((3.0,),), ((0.0, 21.0, 2.0),), ((0.0, 0.0, 3.0),), ((2.0,), (3.0,))),
 }
+
+# Usual sizes where the range is far wider and there is no default, in the unit of the name.
+USUAL = {
+    "size_mm": (30.0, 70.0),
+    "fillet_mm": (0.0, 0.4),
+    "bar_height_mm": (0.3, 1.2),
+    "bar_width_mm": (0.4, 1.0),
+    "lip_mm": (0.0, 0.6),
+    "depth_mm": (0.4, 1.4),
+    "draft_deg": (0.0, 20.0),
+    "caption_height_mm": (2.0, 6.0),
+    "backing_mm": (0.4, 2.0),
+    "yield_mpa": (20.0, 200.0),
+    "bars": (1, 2),
+}
+
+# What a setting is of no use without; left out in some requests, which are refused then.
+NEEDED = {"caption": {"frame_mm": 12.0}, "hole_mm": {"frame_mm": 8.0}}
+FORGOTTEN = 0.2
 
 
 @dataclass(frozen=True)
@@ -95,6 +114,9 @@ def draw(seed: int, pictures: Path) -> Asked:
         share = RARELY if declared.field in (*COSTLY, "image", "text") else GIVEN
         if chance.random() < share:
             settings[declared.field] = _value(declared, chance, command)
+    for field in sorted(NEEDED.keys() & settings.keys()):
+        if chance.random() > FORGOTTEN:
+            settings = NEEDED[field] | settings
     if "image" in settings:
         settings["image"] = _picture(settings["text"], pictures / f"{seed}.png")
         if chance.random() < 0.9:  # the rest names a text and a picture, which is refused
@@ -123,8 +145,8 @@ def _number(declared: Parameter, chance: random.Random) -> float:
     """Near the default, or of the size of things that stand on a desk."""
     if declared.default:
         near = float(declared.default) * chance.choice((0.6, 0.75, 1.0, 1.5, 2.0))  # pyright: ignore
-    elif declared.name == "size":
-        near = chance.uniform(25.0, 70.0)
+    elif declared.field in USUAL:
+        near = chance.uniform(*USUAL[declared.field])
     elif declared.kind is Kind.WHOLE:
         near = chance.randint(1, 4)
     else:

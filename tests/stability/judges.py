@@ -10,10 +10,12 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, NoReturn
 
+import cv2
 import numpy as np
 import resvg_py
 import trimesh
 import zxingcpp
+from numpy.typing import NDArray
 from PIL import Image
 
 from perfqr_cad.errors import PerfQRError
@@ -24,7 +26,10 @@ from .drawn import BY_FIELD, Asked
 FILES = ("part.stl", "part.svg", "design.json")
 EXIT_CODES = (2, 3)  # bad input; asked for by name and not held
 FLAT_TOL, CURVED_TOL = 2e-3, 1e-2  # share of the volume that chords of a mesh may differ by
-PICTURE_PX = 900
+AREA_TOL = 2e-2  # a row of pixels at the edge
+PICTURE_PX, DPI = 900, 96
+SKIN_MM = 0.01
+READER = "zxing-cpp"
 TRIED = "which was tried"
 _OPTION = re.compile(r"(no )?--([a-z][a-z-]*)(?:[ =]([^\s;:()|]+))?")
 _BY_OPTION = {declared.option: declared for declared in BY_FIELD.values()}
@@ -114,9 +119,8 @@ def _of_part(asked: Asked, folder: Path) -> Iterator[str]:
     if broken or not certificate["promises"]:
         yield f"promises not kept: {', '.join(broken) or 'none is there'}"
     yield from _of_mesh(asked, folder / "part.stl", certificate)
-    asks = certificate["request"]
-    if asked.template == "plate" and asks["svg"] == "filled" and not asks["accept_unread"]:
-        yield from _of_picture(folder / "part.svg", certificate)
+    if asked.template == "plate":
+        yield from _of_plate(folder, certificate)
     left = sorted(path.name for path in folder.iterdir() if path.name not in FILES)
     if left:
         yield f"beside the files: {', '.join(left)}"
@@ -134,18 +138,53 @@ def _of_mesh(asked: Asked, path: Path, certificate: dict[str, Any]) -> Iterator[
         yield f"trimesh: volume {mesh.volume:.6g} mm³, the certificate says {solid['volume_mm3']:.6g} mm³"
 
 
-def _of_picture(path: Path, certificate: dict[str, Any]) -> Iterator[str]:
-    """The material alone, light or dark as the tone is, read by zxing-cpp."""
-    png = resvg_py.svg_to_bytes(svg_string=path.read_text(), width=PICTURE_PX, dpi=96)
+def _of_plate(folder: Path, certificate: dict[str, Any]) -> Iterator[str]:
+    """The code as zxing-cpp reads it in the front face and, where no bars are recessed, in the drawing."""
+    asks, area_mm2 = certificate["request"], certificate["connectivity"]["area_mm2"]
+    pictures = {"front face": _front(folder / "part.stl", asks["thickness_mm"])}
+    if asks["svg"] == "filled":
+        drawn, pixel_mm2 = _drawing(folder / "part.svg")
+        off = abs(drawn.sum() / 255 * pixel_mm2 / area_mm2 - 1)
+        if off > AREA_TOL:
+            yield f"resvg: the area of the SVG is {100 * off:.3g} % off the certificate's {area_mm2:.6g} mm²"
+        if asks["finder"] != "recessed":  # those are drawn as thick as the sheet
+            pictures["SVG"] = drawn
+    if certificate["scan"]["decoders"].get(READER, {}).get("frontal"):
+        for name, material in pictures.items():
+            texts = _read(material, inverted=asks["tone"] == "inverted", mirrored=asks["mirror"])
+            if certificate["payload"] not in texts:
+                yield f"{READER} reads {sorted(texts)} in the {name}, not {certificate['payload']!r}"
+
+
+def _drawing(path: Path) -> tuple[NDArray[np.uint8], float]:
+    """The material of a drawing, 255 where there is some, and the area of a pixel in mm²."""
+    svg = path.read_text()
+    png = resvg_py.svg_to_bytes(svg_string=svg, width=PICTURE_PX, dpi=DPI)
     with Image.open(BytesIO(bytes(png))) as drawn:
         material = np.array(drawn.convert("RGBA"))[..., 3]
-    asks = certificate["request"]
-    picture = 255 - material if asks["tone"] == "inverted" else material
-    picture = np.pad(picture, PICTURE_PX // 10, constant_values=255)
-    found = zxingcpp.read_barcodes(np.ascontiguousarray(picture[:, ::-1] if asks["mirror"] else picture))
-    texts = {text for code in found for text in (code.text, bytes(code.bytes).decode(errors="replace"))}
-    if certificate["payload"] not in texts:
-        yield f"zxing-cpp reads {sorted(texts)} in the SVG, not {certificate['payload']!r}"
+    width, height = (float(edge) for edge in re.findall(r'(?:width|height)="([\d.]+)mm"', svg)[:2])
+    return material, width * height / material.size
+
+
+def _front(path: Path, thickness_mm: float) -> NDArray[np.uint8]:
+    """The same of a mesh, cut just behind its front."""
+    mesh: Any = trimesh.load_mesh(path)
+    cut = mesh.section(plane_origin=(0, 0, thickness_mm - SKIN_MM), plane_normal=(0, 0, 1))
+    loops = [loop[:, :2] for loop in cut.discrete]
+    low, high = np.min(cut.vertices, axis=0)[:2], np.max(cut.vertices, axis=0)[:2]
+    scale = PICTURE_PX / float(np.max(high - low))
+    picture = np.zeros(np.ceil((high - low) * scale).astype(int)[::-1], np.uint8)
+    cv2.fillPoly(
+        picture, [np.rint((loop - low) * scale).astype(np.int32) for loop in loops], (255,)
+    )  # even-odd
+    return np.flipud(picture)
+
+
+def _read(material: NDArray[np.uint8], *, inverted: bool, mirrored: bool) -> set[str]:
+    """What is read where the material is light, or dark."""
+    picture = np.pad(255 - material if inverted else material, PICTURE_PX // 10, constant_values=255)
+    found = zxingcpp.read_barcodes(np.ascontiguousarray(picture[:, ::-1] if mirrored else picture))
+    return {text for code in found for text in (code.text, bytes(code.bytes).decode(errors="replace"))}
 
 
 def _no_constant(word: str) -> NoReturn:
