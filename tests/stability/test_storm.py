@@ -9,9 +9,10 @@ import trimesh
 
 from perfqr_cad.pipeline.request import SETTINGS
 
+from . import storm
 from .drawn import Asked, draw
 from .judges import Outcome, faults, remedies
-from .storm import run
+from .storm import Fault, run, shortest
 
 SEEDS = (1, 2, 3, 5, 8)
 PLATE = Asked(0, "plate", True, {"text": "A"})
@@ -55,8 +56,16 @@ def test_the_judges_see_what_is_wrong_with_a_part(tmp_path: Path) -> None:
         '<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm" viewBox="0 0 9 9"/>'
     )
     found = " ".join(faults(PLATE, Outcome(0, "", _certified(tmp_path, kept=False))))
-    for seen in ("not kept: web", "not watertight", "volume", "payload 'B'", "reads [] in the SVG"):
-        assert seen in found
+    seen = (
+        "not kept: web",
+        "not watertight",
+        "volume",
+        "payload 'B'",
+        "area",
+        "in the front face",
+        "in the SVG",
+    )
+    assert not [what for what in seen if what not in found]
 
 
 def test_a_certificate_with_an_infinite_figure_is_a_fault(tmp_path: Path) -> None:
@@ -80,12 +89,50 @@ def test_remedies_are_read_from_a_refusal(message: str, changes: list[dict[str, 
     assert remedies(message) == changes
 
 
+def test_a_remedy_that_does_not_help_is_a_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    refusal = Outcome(2, "error: too small: give --size 40", tmp_path)
+    monkeypatch.setattr(storm, "send", lambda asked, folder: refusal)
+    result = run(2, tmp_path)
+    assert "{'size_mm': 40.0}" in result.faults[0].what
+    assert "does not help" in result.faults[0].what
+
+
+def test_a_remedy_that_helps_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def send(asked: Asked, folder: Path) -> Outcome:
+        given = float(asked.settings.get("frame_mm", 0.0))
+        return Outcome(2, f"error: too narrow: give --frame {min(given + 1, 3):g}", tmp_path)
+
+    monkeypatch.setattr(storm, "send", send)
+    monkeypatch.setattr(storm, "draw", lambda seed, pictures: PLATE)
+    assert "does not help" in run(0, tmp_path).faults[0].what  # the third time it says what it said before
+    monkeypatch.setattr(storm, "faults", lambda asked, outcome: [])
+    made = Outcome(0, "", tmp_path)
+    monkeypatch.setattr(
+        storm, "send", lambda asked, folder: made if "frame_mm" in asked.settings else send(asked, folder)
+    )
+    assert not run(0, tmp_path).faults
+
+
+def test_a_reproducer_holds_only_what_is_needed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def send(asked: Asked, folder: Path) -> Outcome:
+        wrong = asked.settings.get("mask") == 3
+        return Outcome(1, "ValueError: mask 3", tmp_path) if wrong else Outcome(2, "error: x", tmp_path)
+
+    monkeypatch.setattr(storm, "send", send)
+    asked = Asked(4, "plate", True, {"text": "A", "mask": 3, "size_mm": 40.0, "mirror": True})
+    found = shortest(Fault("exit code 1: ValueError: mask 3", asked), tmp_path)
+    assert found.asked.settings == {"mask": 3}
+    assert found.asked.line() == "python -m perfqr_cad make -t plate --mask=3 -o part.stl -o part.svg"
+
+
 def _certified(folder: Path, kept: bool) -> Path:
-    asked = {"svg": "filled", "accept_unread": False, "tone": "normal", "mirror": False}
+    asked = {"svg": "filled", "finder": "panel", "tone": "normal", "mirror": False, "thickness_mm": 1.0}
     certificate = {
         "payload": "B",
         "promises": [{"name": "web", "kept": kept}],
         "solid": {"solids": 1, "volume_mm3": 500.0},
+        "connectivity": {"area_mm2": 50.0},
+        "scan": {"decoders": {"zxing-cpp": {"frontal": True}}},
         "request": asked,
     }
     (folder / "design.json").write_text(json.dumps(certificate))
