@@ -14,7 +14,6 @@ from perfqr_cad.pipeline.parameter import Parameter
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import DRAFT_DEG, LIP_MM, Terms, resolve
 from perfqr_cad.pipeline.setting import GROUPS, UNITS
-from perfqr_cad.profile.caption import Place
 from perfqr_cad.scan import FULL, QUICK
 from perfqr_cad.scan.colours import BACKGROUNDS, FILAMENTS
 from perfqr_cad.structure.loads import Hold
