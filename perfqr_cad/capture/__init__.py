@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from perfqr_cad.capture.capture import Art, Capture
 
 if TYPE_CHECKING:
-    from perfqr_cad.capture.image import load_image
+    from perfqr_cad.capture.pictures.image import load_image
     from perfqr_cad.capture.recognition import read
 
 __all__ = ["Art", "Capture", "load_image", "read"]
@@ -25,7 +25,7 @@ def __getattr__(name: str) -> Any:
 
         return read
     if name == "load_image":
-        from perfqr_cad.capture.image import load_image
+        from perfqr_cad.capture.pictures.image import load_image
 
         return load_image
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -16,9 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.capture.art import art_of, rectify
+from perfqr_cad.capture.attempts import distinct, glimpses, seeds
 from perfqr_cad.capture.capture import Capture, Sampling
 from perfqr_cad.capture.grid import CORNERS, Floats, Grid
-from perfqr_cad.capture.image import Picture, load_image, luminance
+from perfqr_cad.capture.pictures.image import Picture, load_image, luminance
+from perfqr_cad.capture.pictures.views import is_colourful, projections
 from perfqr_cad.capture.register import Workspace, correlation, register, workspace
 from perfqr_cad.capture.sampling import (
     global_threshold,
@@ -27,11 +29,9 @@ from perfqr_cad.capture.sampling import (
     soft_log_likelihood,
     vote_log_likelihood,
 )
-from perfqr_cad.capture.search import distinct, glimpses, seeds
 from perfqr_cad.capture.seeds import Seed
 from perfqr_cad.capture.several import choice, in_reading_order, overlap
 from perfqr_cad.capture.symbologies import other_code
-from perfqr_cad.capture.views import is_colourful, projections
 from perfqr_cad.capture.warp import bent
 from perfqr_cad.errors import CaptureError, SymbolError
 from perfqr_cad.symbol import Matrix, Recovery, format_candidates, layout, recover, size_of

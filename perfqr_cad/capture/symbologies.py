@@ -6,9 +6,9 @@ from typing import Any
 
 import zxingcpp
 
-from perfqr_cad.capture.image import Picture
+from perfqr_cad.capture.pictures.image import Picture
+from perfqr_cad.capture.pictures.views import greys, searched
 from perfqr_cad.capture.several import shortened
-from perfqr_cad.capture.views import greys, searched
 
 _FORMAT: Any = zxingcpp.BarcodeFormat  # its stubs want the plural type
 # Symbologies with check characters: what lacks them (ITF, Codabar, …) is also "read" in stripes and noise.

@@ -14,7 +14,7 @@ import segno
 from PIL import Image
 
 from perfqr_cad.capture import load_image, read
-from perfqr_cad.capture.decoding import MAX_PIXELS, WORK_PIXELS
+from perfqr_cad.capture.pictures.decoding import MAX_PIXELS, WORK_PIXELS
 from perfqr_cad.errors import CaptureError
 
 TEXT = "any picture"

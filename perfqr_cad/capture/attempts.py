@@ -9,9 +9,9 @@ import numpy as np
 
 from perfqr_cad.capture.finders import triples
 from perfqr_cad.capture.grid import Floats, project
-from perfqr_cad.capture.image import Picture
+from perfqr_cad.capture.pictures.image import Picture
+from perfqr_cad.capture.pictures.views import greys, reduced, searched
 from perfqr_cad.capture.seeds import Seed, opencv_seeds, wechat_seeds, zxing_seeds
-from perfqr_cad.capture.views import greys, reduced, searched
 
 SEEDS_TRIED = 150  # bounds the time spent on a picture without a readable code
 SAME_PLACE = 0.12  # of a symbol's side: seeds nearer than this are one

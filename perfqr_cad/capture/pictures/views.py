@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.capture.grid import Floats, Grid, look_up
-from perfqr_cad.capture.image import Picture, luminance
+from perfqr_cad.capture.pictures.image import Picture, luminance
 from perfqr_cad.capture.register import known_modules
 
 SEARCH_SIDE_PX = 1000  # longest side of the pictures that finders are looked for in first
