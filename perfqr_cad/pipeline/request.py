@@ -85,7 +85,7 @@ class Request:
         choices=("recessed:at the back", "panel:flush bars", "diagonal:four corner bars"),
     )
     bars: int | None = setting(
-        None, "recessed bars of a finder ring", group="Look", range=(1, 2), empty="as reads best"
+        None, "recessed bars of a finder ring", group="Look", range=(1, 3), empty="as reads best"
     )
     bar_height_mm: float | None = setting(
         None, "their height above the back", group="Look", range=(0.05, 100.0), empty="as reads best"

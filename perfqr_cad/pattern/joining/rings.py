@@ -20,13 +20,14 @@ from perfqr_cad.pattern.joining.finder import (
     core_bar,
     is_located,
     is_traced,
+    opposite_bars,
     paired_bars,
     recessed_bars,
     recessed_core_bar,
     ring_bars,
     rings,
 )
-from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.pattern.spec import ON_TWO_SIDES, PatternSpec
 from perfqr_cad.symbol import Symbol
 
 # Modules of void that the outer bank leaves of the pinched slot, no less than the least gap. A narrower one
@@ -45,6 +46,10 @@ LEAST_SLOT_MODULES = 0.25
 # 1:1:3:1:1 line. In modules over 1.6 mm a wide bar is seen as wide, and 2.4 mm are enough. docs/pattern.md.
 WIDE = 1.5
 WIDE_MM = 2.4
+ALIGNMENT = (1.5, 1.2)  # modules that a bar on an alignment pattern is wide, where banks allow
+# From here on zxing-cpp looks for all alignment patterns; before, lines along the finders do as well as the
+# one that there is (QRDetector.cpp), and a flush bar on it costs nothing: 20 views a cell, all the same.
+TILED = 7
 
 
 class _Slot(NamedTuple):
@@ -134,6 +139,13 @@ def _recessed(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> It
         return
     material = _material(canvas)
     wide = max(web, min(WIDE, _modules(canvas, WIDE_MM))) if spec.bar_width_mm is None else line
+    if spec.bars == ON_TWO_SIDES and located:
+        if version >= TILED:
+            for width in (min(wide, broad) for broad in ALIGNMENT):
+                yield from ([bar] for bar in recessed_bars(ring, width, clear, material, pinched=True))
+        return
+    if spec.bars == ON_TWO_SIDES:
+        yield opposite_bars(ring, version, wide, web)
     if spec.bars > 1 and traced:  # in a pinched slot two bars are one: it is dark all along
         both = min(2 * wide, ring.size - 2 * (FLUSH + clear))
         yield from ([bar] for bar in recessed_bars(ring, both, clear, material, pinched=True))
