@@ -40,8 +40,8 @@ PINCHED = 2.9  # modules from the corner that a pinch spans at least; 2.7 to 3.3
 # versionDefinition in qrcode.cpp). So a pinch keeps clear of corners and middles; the upper left ring may be
 # broken on its left, the upper right one at its top; the lower left one must look unbroken all around: two
 # short dark bars at one height do.
-OFF_CORNER, OFF_MIDDLE = 0.5, 2.9  # modules from the corner between which such a pinch lies
-SHORT_PINCH = 1.9  # modules from the corner to the middle of its bar
+OFF_MIDDLE = 2.9  # modules from the corner to where such a pinch ends
+SHORT_PINCH = 1.9  # to the middle of its bar
 WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT = 1.0, 1.2, 0.5  # modules, of bars on two sides
 PLACES: tuple[tuple[Side, bool], ...] = (  # side, and whether by its far end; the top and left before others
     ("top", False),
@@ -134,21 +134,23 @@ def paired_bars(ring: Ring, width: float, clear: float, solid: Solid) -> list[li
     ]
 
 
-def opposite_bars(ring: Ring, version: int, wide: float, web: float) -> list[RingBar]:
+def opposite_bars(ring: Ring, version: int, wide: float, web: float, slot: float) -> list[RingBar]:
     """Bars behind the face on two sides of a finder ring, up to `wide` modules and no narrower than a web.
 
-    See `OFF_CORNER` for why each lies where it does.
+    slot   modules of void that a pinch leaves: nearer to the corner than that it would be on the diagonal
+
+    See `SHORT_PINCH` for why each lies where it does.
     """
-    bar, pinched_bar, right = (
-        min(wide, max(web, most)) for most in (WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT)
-    )
+    most = (WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT)
+    bar, dark_bar, right_bar = (min(wide, max(web, modules)) for modules in most)
+    pinch = 1.0 - slot, OFF_MIDDLE
     if is_traced(ring, version):
-        return [_short_pinch(ring, side, pinched_bar) for side in ("left", "right")]
+        return [_short_pinch(ring, side, dark_bar, pinch) for side in ("left", "right")]
     near_side: Side = "left" if ring.column == 0 else "top"
     two = [_recessed(ring, near_side, far, bar, CLEAR, False) for far in (False, True)]
     if ring.column == 0:
-        return [*two, _short_pinch(ring, "right", pinched_bar)]
-    return [*two, _recessed(ring, "right", True, right, CLEAR, False)]
+        return [*two, _short_pinch(ring, "right", dark_bar, pinch)]
+    return [*two, _recessed(ring, "right", True, right_bar, CLEAR, False)]
 
 
 def core_bar(ring: Ring, width: float) -> RingBar:
@@ -180,9 +182,9 @@ def _recessed(ring: Ring, side: Side, far: bool, width: float, clear: float, pin
     return _bar(ring, side, end - middle if far else middle, pinch, width)
 
 
-def _short_pinch(ring: Ring, side: Side, width: float) -> RingBar:
+def _short_pinch(ring: Ring, side: Side, width: float, pinch: tuple[float, float]) -> RingBar:
     """A bar behind the face near the upper end of an upright side, pinched beside it only."""
-    return _bar(ring, side, SHORT_PINCH, _along(ring, side, OFF_CORNER, OFF_MIDDLE), width)
+    return _bar(ring, side, SHORT_PINCH, _along(ring, side, *pinch), width)
 
 
 def _along(ring: Ring, side: Side, start: float, end: float) -> tuple[float, float]:

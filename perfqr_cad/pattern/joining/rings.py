@@ -145,7 +145,7 @@ def _recessed(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> It
                 yield from ([bar] for bar in recessed_bars(ring, width, clear, material, pinched=True))
         return
     if spec.bars == ON_TWO_SIDES:
-        yield opposite_bars(ring, version, wide, web)
+        yield opposite_bars(ring, version, wide, web, _slot_cells(canvas, spec) / canvas.lattice.per_module)
     if spec.bars > 1 and traced:  # in a pinched slot two bars are one: it is dark all along
         both = min(2 * wide, ring.size - 2 * (FLUSH + clear))
         yield from ([bar] for bar in recessed_bars(ring, both, clear, material, pinched=True))
@@ -217,8 +217,7 @@ def _slot(canvas: Canvas, bar: RingBar, spec: PatternSpec) -> _Slot | None:
     if bar.pinch is not None:
         first, last = (_cell(canvas, (k, k))[0] for k in bar.pinch)
         slot = first, last
-        dark = min(round(SLOT * u), lattice.whole(DARK_MM))
-        tip = outer + inwards * max(0, u - max(gap, dark, round(LEAST_SLOT_MODULES * u)))
+        tip = outer + inwards * max(0, u - _slot_cells(canvas, spec))
 
     def rect(across: tuple[int, int], along: tuple[int, int]) -> Rect:
         """Cells between two lines across the ring, and two along it."""
@@ -231,6 +230,13 @@ def _slot(canvas: Canvas, bar: RingBar, spec: PatternSpec) -> _Slot | None:
         return None
     bank = rect((outer, tip), slot) if tip != outer else None
     return _Slot(Bar(rect((tip, inner), (middle - half, middle + half)), along_x), bank)
+
+
+def _slot_cells(canvas: Canvas, spec: PatternSpec) -> int:
+    """How wide a pinch leaves a slot, in cells."""
+    lattice = canvas.lattice
+    dark = min(round(SLOT * lattice.per_module), lattice.whole(DARK_MM))
+    return max(lattice.whole(spec.gap_mm), dark, round(LEAST_SLOT_MODULES * lattice.per_module))
 
 
 def _is_free(canvas: Canvas, bridge: Bridge, spec: PatternSpec) -> bool:
