@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from perfqr_cad.pattern.spec import FinderStrategy
@@ -38,11 +38,14 @@ PINCHED = 2.9  # modules from the corner that a pinch spans at least; 2.7 to 3.3
 # outer corners of the code from that; it counts modules along the last row of the upper right finder and the
 # last column of the lower left one, and takes the lesser count (computeTransformationPoints and
 # versionDefinition in qrcode.cpp). So a pinch keeps clear of corners and middles; the upper left ring may be
-# broken on its left, the upper right one at its top; the lower left one must look unbroken all around: two
-# short dark bars at one height do.
-OFF_MIDDLE = 2.9  # modules from the corner to where such a pinch ends
+# broken on its left, the upper right one at its top; the lower left one must look unbroken all around. Bars
+# on two sides of that one cost zxing-cpp a quarter of its reads at 6 pixels a module: it has a broad one.
+OFF_MIDDLE = 2.9  # modules from the corner to where a pinch on a second side ends
 SHORT_PINCH = 1.9  # to the middle of its bar
 WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT = 1.0, 1.2, 0.5  # modules, of bars on two sides
+# The pinch before a broad bar crosses the line through the middle, where a crisp picture must still show half
+# a module of dark (zbar and zxing-cpp); more light falls on the bar than in a narrower slot.
+BROAD, BROAD_MIDDLE, BROAD_PINCH, BROAD_SLOT = 3.0, 3.0, 5.0, 0.5  # modules
 PLACES: tuple[tuple[Side, bool], ...] = (  # side, and whether by its far end; the top and left before others
     ("top", False),
     ("left", False),
@@ -74,12 +77,14 @@ class RingBar:
 
     pinch  x or y, from and to, between which the slot before it is narrowed; None: nowhere
     width  in modules, of a recessed bar
+    slot   modules of void that a pinch leaves; None: as is darkest
     """
 
     start: tuple[float, float]
     end: tuple[float, float]
     pinch: tuple[float, float] | None = None
     width: float = 0.0
+    slot: float | None = None
 
 
 def rings(version: int) -> list[Ring]:
@@ -134,8 +139,9 @@ def paired_bars(ring: Ring, width: float, clear: float, solid: Solid) -> list[li
     ]
 
 
-def opposite_bars(ring: Ring, version: int, wide: float, web: float, slot: float) -> list[RingBar]:
-    """Bars behind the face on two sides of a finder ring, up to `wide` modules and no narrower than a web.
+def opposite_bars(ring: Ring, wide: float, web: float, slot: float) -> list[RingBar]:
+    """Bars behind the face on two sides of an upper finder ring, up to `wide` modules and no narrower than a
+    web.
 
     slot   modules of void that a pinch leaves: nearer to the corner than that it would be on the diagonal
 
@@ -143,14 +149,19 @@ def opposite_bars(ring: Ring, version: int, wide: float, web: float, slot: float
     """
     most = (WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT)
     bar, dark_bar, right_bar = (min(wide, max(web, modules)) for modules in most)
-    pinch = 1.0 - slot, OFF_MIDDLE
-    if is_traced(ring, version):
-        return [_short_pinch(ring, side, dark_bar, pinch) for side in ("left", "right")]
-    near_side: Side = "left" if ring.column == 0 else "top"
-    two = [_recessed(ring, near_side, far, bar, CLEAR, False) for far in (False, True)]
+    side: Side = "left" if ring.column == 0 else "top"
+    two = [_recessed(ring, side, far, bar, CLEAR, False) for far in (False, True)]
     if ring.column == 0:
-        return [*two, _short_pinch(ring, "right", dark_bar, pinch)]
+        pinch = _along(ring, "right", 1.0 - slot, OFF_MIDDLE)
+        return [*two, _bar(ring, "right", SHORT_PINCH, pinch, dark_bar)]
     return [*two, _recessed(ring, "right", True, right_bar, CLEAR, False)]
+
+
+def broad_bar(ring: Ring, width: float) -> RingBar:
+    """A bar behind the face over most of the left side, in a slot that is pinched half."""
+    pinch = _along(ring, "left", 0.0, BROAD_PINCH)
+    bar = _bar(ring, "left", BROAD_MIDDLE, pinch, min(width, BROAD))
+    return replace(bar, slot=BROAD_SLOT)
 
 
 def core_bar(ring: Ring, width: float) -> RingBar:
@@ -180,11 +191,6 @@ def _recessed(ring: Ring, side: Side, far: bool, width: float, clear: float, pin
     reach, end = max(PINCHED, middle + width / 2 + clear), ring.size
     pinch = _along(ring, side, *((end - reach, end) if far else (0, reach))) if pinched else None
     return _bar(ring, side, end - middle if far else middle, pinch, width)
-
-
-def _short_pinch(ring: Ring, side: Side, width: float, pinch: tuple[float, float]) -> RingBar:
-    """A bar behind the face near the upper end of an upright side, pinched beside it only."""
-    return _bar(ring, side, SHORT_PINCH, _along(ring, side, *pinch), width)
 
 
 def _along(ring: Ring, side: Side, start: float, end: float) -> tuple[float, float]:

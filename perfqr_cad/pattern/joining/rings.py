@@ -14,9 +14,11 @@ from perfqr_cad.pattern.cells.lattice import Cells
 from perfqr_cad.pattern.joining.finder import (
     CLEAR,
     FLUSH,
+    WIDEST_PINCHED,
     Ring,
     RingBar,
     Solid,
+    broad_bar,
     core_bar,
     is_located,
     is_traced,
@@ -27,7 +29,7 @@ from perfqr_cad.pattern.joining.finder import (
     ring_bars,
     rings,
 )
-from perfqr_cad.pattern.spec import ON_TWO_SIDES, PatternSpec
+from perfqr_cad.pattern.spec import ON_TWO_SIDES, PAIR, PatternSpec
 from perfqr_cad.symbol import Symbol
 
 # Modules of void that the outer bank leaves of the pinched slot, no less than the least gap. A narrower one
@@ -50,6 +52,7 @@ ALIGNMENT = (1.5, 1.2)  # modules that a bar on an alignment pattern is wide, wh
 # From here on zxing-cpp looks for all alignment patterns; before, lines along the finders do as well as the
 # one that there is (QRDetector.cpp), and a flush bar on it costs nothing: 20 views a cell, all the same.
 TILED = 7
+BROAD_UP_TO_MM = 1.8  # of a module: half of a larger one is no shade
 
 
 class _Slot(NamedTuple):
@@ -139,17 +142,14 @@ def _recessed(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> It
         return
     material = _material(canvas)
     wide = max(web, min(WIDE, _modules(canvas, WIDE_MM))) if spec.bar_width_mm is None else line
-    if spec.bars == ON_TWO_SIDES and located:
-        if version >= TILED:
-            for width in (min(wide, broad) for broad in ALIGNMENT):
-                yield from ([bar] for bar in recessed_bars(ring, width, clear, material, pinched=True))
-        return
     if spec.bars == ON_TWO_SIDES:
-        yield opposite_bars(ring, version, wide, web, _slot_cells(canvas, spec) / canvas.lattice.per_module)
-    if spec.bars > 1 and traced:  # in a pinched slot two bars are one: it is dark all along
+        yield from _strong(canvas, ring, version, wide, spec)
+        if located:
+            return
+    if spec.bars == PAIR and traced:  # in a pinched slot two bars are one: it is dark all along
         both = min(2 * wide, ring.size - 2 * (FLUSH + clear))
         yield from ([bar] for bar in recessed_bars(ring, both, clear, material, pinched=True))
-    elif spec.bars > 1 and not located:
+    elif spec.bars > 1 and not (traced or located):
         yield from paired_bars(ring, max(wide, web), clear, material)
     if not located:
         yield from (
@@ -159,6 +159,25 @@ def _recessed(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> It
         yield from ([bar] for bar in recessed_bars(ring, line, clear, material, pinched=True))
     if not traced:
         yield from ([bar] for bar in recessed_bars(ring, max(line, web), clear, material, pinched=False))
+
+
+def _strong(
+    canvas: Canvas, ring: Ring, version: int, wide: float, spec: PatternSpec
+) -> Iterator[list[RingBar]]:
+    """Sets of bars that bear more than one bar does and are read as well, the best first."""
+    web, material = _modules(canvas, spec.web_mm), _material(canvas)
+    if is_located(ring):
+        if version >= TILED:
+            for width in (min(wide, broad) for broad in ALIGNMENT):
+                yield from ([bar] for bar in recessed_bars(ring, width, CLEAR, material, pinched=True))
+    elif not is_traced(ring, version):
+        yield opposite_bars(ring, wide, web, _slot_cells(canvas, spec) / canvas.lattice.per_module)
+    else:
+        if canvas.lattice.module_mm <= BROAD_UP_TO_MM:
+            yield [broad_bar(ring, 2 * wide)]
+        yield from (
+            [bar] for bar in recessed_bars(ring, min(wide, WIDEST_PINCHED), CLEAR, material, pinched=True)
+        )
 
 
 def _flush(canvas: Canvas, ring: Ring, spec: PatternSpec) -> list[RingBar]:
@@ -217,7 +236,7 @@ def _slot(canvas: Canvas, bar: RingBar, spec: PatternSpec) -> _Slot | None:
     if bar.pinch is not None:
         first, last = (_cell(canvas, (k, k))[0] for k in bar.pinch)
         slot = first, last
-        tip = outer + inwards * max(0, u - _slot_cells(canvas, spec))
+        tip = outer + inwards * max(0, u - _slot_cells(canvas, spec, bar.slot))
 
     def rect(across: tuple[int, int], along: tuple[int, int]) -> Rect:
         """Cells between two lines across the ring, and two along it."""
@@ -232,10 +251,11 @@ def _slot(canvas: Canvas, bar: RingBar, spec: PatternSpec) -> _Slot | None:
     return _Slot(Bar(rect((tip, inner), (middle - half, middle + half)), along_x), bank)
 
 
-def _slot_cells(canvas: Canvas, spec: PatternSpec) -> int:
-    """How wide a pinch leaves a slot, in cells."""
+def _slot_cells(canvas: Canvas, spec: PatternSpec, modules: float | None = None) -> int:
+    """How wide a pinch leaves a slot, in cells; as is darkest, or as many modules."""
     lattice = canvas.lattice
-    dark = min(round(SLOT * lattice.per_module), lattice.whole(DARK_MM))
+    darkest = min(round(SLOT * lattice.per_module), lattice.whole(DARK_MM))
+    dark = darkest if modules is None else round(modules * lattice.per_module)
     return max(lattice.whole(spec.gap_mm), dark, round(LEAST_SLOT_MODULES * lattice.per_module))
 
 

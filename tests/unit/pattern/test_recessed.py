@@ -44,23 +44,49 @@ def traced(pattern):
     return [bar for bar in pattern.recessed if bar.start[0] < -inside and bar.start[1] < -inside]
 
 
-@pytest.mark.parametrize("version", RINGS)
-def test_finders_hang_on_two_sides_and_pinches_keep_off_corners_and_middles(version):
-    pattern = made(version)
+def feet_of(pattern, left, top):
+    """Middles of the bars of a finder, from its own, and their widths, in modules; y up."""
     n, m = pattern.symbol.size, pattern.module_mm
-    for left, top in ((0, 0), (n - 7, 0), (0, n - 7)):
-        feet = [
-            ((np.array(bar.start) + bar.end) / 2 / m + n / 2 - [left + 3.5, n - top - 3.5], bar.width_mm / m)
-            for bar in pattern.recessed
-        ]
-        held = [(foot, width) for foot, width in feet if np.abs(foot).max() < 3.5]
-        assert len(held) == (2 if top else 3)
-        assert len({tuple(np.trunc(foot / 2.5).tolist()) for foot, _ in held}) == 2  # on two sides
+    middle = [left + 3.5, n - top - 3.5]
+    feet = [
+        ((np.array(bar.start) + bar.end) / 2 / m + n / 2 - middle, bar.width_mm / m)
+        for bar in pattern.recessed
+    ]
+    return [(foot, width) for foot, width in feet if np.abs(foot).max() < 3.5]
+
+
+@pytest.mark.parametrize("version", RINGS)
+def test_upper_finders_hang_on_two_sides_and_bars_keep_off_diagonals_and_middles(version):
+    pattern = made(version)
+    for left in (0, pattern.symbol.size - 7):
+        held = feet_of(pattern, left, 0)
+        assert len(held) == 3
+        assert len({tuple(np.trunc(foot / 2.5).tolist()) for foot, _ in held}) == 2
         for foot, width in held:
             off_middle = np.abs(foot).min()
-            assert off_middle > 0.5 + width / 2  # clear of the line through the middle
-            assert off_middle < 2.5 - width / 2  # and of the diagonals
+            assert off_middle > 0.5 + width / 2
+            assert off_middle < 2.5 - width / 2
     assert_front_and_bars_are_the_region(pattern)
+
+
+@pytest.mark.parametrize(("module_mm", "modules"), [(1.3, 3.0), (1.6, 3.0), (2.4, 1.0)])
+def test_the_traced_ring_has_a_broad_bar_where_half_a_module_is_shade(module_mm, modules):
+    pattern = made(size_mm=33 * module_mm)
+    ((_, width),) = feet_of(pattern, 0, pattern.symbol.size - 7)
+    assert width == pytest.approx(modules, abs=0.1)
+    (bar,) = traced(pattern)
+    assert bar.pinched
+    slot = np.hypot(*np.subtract(bar.end, bar.start)) / module_mm
+    assert slot == pytest.approx(0.5 if module_mm < 2 else DARK_MM / module_mm, abs=0.05)
+
+
+@pytest.mark.parametrize(("version", "recessed"), [(2, 0), (7, 5)])
+def test_one_alignment_pattern_is_held_flush_and_many_as_dark_as_can_be(version, recessed):
+    pattern = made(version)
+    finders = sum(len(feet_of(pattern, *at)) for at in ((0, 0), (pattern.symbol.size - 7, 0)))
+    assert len(pattern.recessed) - finders - 1 >= recessed
+    if not recessed:
+        assert len(pattern.recessed) == finders + 1
 
 
 def test_two_sides_need_banks_on_both():
@@ -165,7 +191,7 @@ def test_slots_are_pinched_at_the_traced_ring_and_at_alignment_patterns_but_not_
 @pytest.mark.parametrize("style", ["rounded", "dots", "diamond", "bars"])
 def test_styles_have_the_same_front(style):
     pattern = made(style=style)
-    assert len(traced(pattern)) == 2
+    assert len(traced(pattern)) == 1
     assert_front_and_bars_are_the_region(pattern)
 
 
