@@ -36,7 +36,7 @@ class PatternSpec:
                    paper's four at 45°; `recessed` some by the corners, behind the face, and on the rings
                    that readers trace at the end of a slot that is pinched
     bars           recessed bars of a finder ring. 1; 2 by both ends of one side, or one of twice the width in
-                   a slot that is pinched; 3 on two sides, or one broad one in a slot that is pinched half
+                   a slot that is pinched; 3 on two sides, or two in slots that are pinched
     bar_height_mm  height of a recessed bar above the back of the part
     bar_width_mm   width of recessed bars; None: wide ones on finders, the least web on alignment patterns.
                    Less than that web, down to a nozzle line, in pinched slots alone: it is then the only

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 from perfqr_cad.pattern.spec import FinderStrategy
@@ -39,13 +39,11 @@ PINCHED = 2.9  # modules from the corner that a pinch spans at least; 2.7 to 3.3
 # last column of the lower left one, and takes the lesser count (computeTransformationPoints and
 # versionDefinition in qrcode.cpp). So a pinch keeps clear of corners and middles; the upper left ring may be
 # broken on its left, the upper right one at its top; the lower left one must look unbroken all around. Bars
-# on two sides of that one cost zxing-cpp a quarter of its reads at 6 pixels a module: it has a broad one.
-OFF_MIDDLE = 2.9  # modules from the corner to where a pinch on a second side ends
+# on two sides of that one cost zxing-cpp a quarter of its reads at 6 pixels a module, and a pinch across its
+# middle costs zbar a crisp picture of the face: it has two dark bars on one side.
+OFF_MIDDLE = 2.9  # modules from the corner to where such a pinch ends
 SHORT_PINCH = 1.9  # to the middle of its bar
 WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT = 1.0, 1.2, 0.5  # modules, of bars on two sides
-# The pinch before a broad bar crosses the line through the middle, where a crisp picture must still show half
-# a module of dark (zbar and zxing-cpp); more light falls on the bar than in a narrower slot.
-BROAD, BROAD_MIDDLE, BROAD_PINCH, BROAD_SLOT = 3.0, 3.0, 5.0, 0.5  # modules
 PLACES: tuple[tuple[Side, bool], ...] = (  # side, and whether by its far end; the top and left before others
     ("top", False),
     ("left", False),
@@ -77,14 +75,12 @@ class RingBar:
 
     pinch  x or y, from and to, between which the slot before it is narrowed; None: nowhere
     width  in modules, of a recessed bar
-    slot   modules of void that a pinch leaves; None: as is darkest
     """
 
     start: tuple[float, float]
     end: tuple[float, float]
     pinch: tuple[float, float] | None = None
     width: float = 0.0
-    slot: float | None = None
 
 
 def rings(version: int) -> list[Ring]:
@@ -143,25 +139,31 @@ def opposite_bars(ring: Ring, wide: float, web: float, slot: float) -> list[Ring
     """Bars behind the face on two sides of an upper finder ring, up to `wide` modules and no narrower than a
     web.
 
-    slot   modules of void that a pinch leaves: nearer to the corner than that it would be on the diagonal
+    slot   modules of void that a pinch leaves
 
     See `SHORT_PINCH` for why each lies where it does.
     """
-    most = (WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT)
-    bar, dark_bar, right_bar = (min(wide, max(web, modules)) for modules in most)
+    bar, right_bar = (min(wide, max(web, most)) for most in (WIDEST_OPEN, WIDEST_RIGHT))
     side: Side = "left" if ring.column == 0 else "top"
     two = [_recessed(ring, side, far, bar, CLEAR, False) for far in (False, True)]
     if ring.column == 0:
-        pinch = _along(ring, "right", 1.0 - slot, OFF_MIDDLE)
-        return [*two, _bar(ring, "right", SHORT_PINCH, pinch, dark_bar)]
+        return [*two, _dark(ring, "right", False, min(wide, max(web, WIDEST_PINCHED)), slot)]
     return [*two, _recessed(ring, "right", True, right_bar, CLEAR, False)]
 
 
-def broad_bar(ring: Ring, width: float) -> RingBar:
-    """A bar behind the face over most of the left side, in a slot that is pinched half."""
-    pinch = _along(ring, "left", 0.0, BROAD_PINCH)
-    bar = _bar(ring, "left", BROAD_MIDDLE, pinch, min(width, BROAD))
-    return replace(bar, slot=BROAD_SLOT)
+def dark_pair(ring: Ring, wide: float, web: float, slot: float) -> list[RingBar]:
+    """Two bars behind the face on the left side of a finder ring, which look as dark as that; see
+    `opposite_bars`."""
+    return [_dark(ring, "left", far, min(wide, max(web, WIDEST_PINCHED)), slot) for far in (False, True)]
+
+
+def _dark(ring: Ring, side: Side, far: bool, width: float, slot: float) -> RingBar:
+    """A bar in a pinch that keeps off the diagonal, from whose corner it is as far as its slot needs."""
+    at, end = SHORT_PINCH, ring.size
+    pinch = 1.0 - slot, OFF_MIDDLE
+    if far:
+        at, pinch = end - at, (end - pinch[1], end - pinch[0])
+    return _bar(ring, side, at, _along(ring, side, *pinch), width)
 
 
 def core_bar(ring: Ring, width: float) -> RingBar:

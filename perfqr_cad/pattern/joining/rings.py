@@ -14,12 +14,11 @@ from perfqr_cad.pattern.cells.lattice import Cells
 from perfqr_cad.pattern.joining.finder import (
     CLEAR,
     FLUSH,
-    WIDEST_PINCHED,
     Ring,
     RingBar,
     Solid,
-    broad_bar,
     core_bar,
+    dark_pair,
     is_located,
     is_traced,
     opposite_bars,
@@ -52,7 +51,6 @@ ALIGNMENT = (1.5, 1.2)  # modules that a bar on an alignment pattern is wide, wh
 # From here on zxing-cpp looks for all alignment patterns; before, lines along the finders do as well as the
 # one that there is (QRDetector.cpp), and a flush bar on it costs nothing: 20 views a cell, all the same.
 TILED = 7
-BROAD_UP_TO_MM = 1.8  # of a module: half of a larger one is no shade
 
 
 class _Slot(NamedTuple):
@@ -170,14 +168,10 @@ def _strong(
         if version >= TILED:
             for width in (min(wide, broad) for broad in ALIGNMENT):
                 yield from ([bar] for bar in recessed_bars(ring, width, CLEAR, material, pinched=True))
-    elif not is_traced(ring, version):
-        yield opposite_bars(ring, wide, web, _slot_cells(canvas, spec) / canvas.lattice.per_module)
     else:
-        if canvas.lattice.module_mm <= BROAD_UP_TO_MM:
-            yield [broad_bar(ring, 2 * wide)]
-        yield from (
-            [bar] for bar in recessed_bars(ring, min(wide, WIDEST_PINCHED), CLEAR, material, pinched=True)
-        )
+        slot = _slot_cells(canvas, spec) / canvas.lattice.per_module
+        bars = dark_pair if is_traced(ring, version) else opposite_bars
+        yield bars(ring, wide, web, slot)
 
 
 def _flush(canvas: Canvas, ring: Ring, spec: PatternSpec) -> list[RingBar]:
@@ -236,7 +230,7 @@ def _slot(canvas: Canvas, bar: RingBar, spec: PatternSpec) -> _Slot | None:
     if bar.pinch is not None:
         first, last = (_cell(canvas, (k, k))[0] for k in bar.pinch)
         slot = first, last
-        tip = outer + inwards * max(0, u - _slot_cells(canvas, spec, bar.slot))
+        tip = outer + inwards * max(0, u - _slot_cells(canvas, spec))
 
     def rect(across: tuple[int, int], along: tuple[int, int]) -> Rect:
         """Cells between two lines across the ring, and two along it."""
@@ -251,11 +245,10 @@ def _slot(canvas: Canvas, bar: RingBar, spec: PatternSpec) -> _Slot | None:
     return _Slot(Bar(rect((tip, inner), (middle - half, middle + half)), along_x), bank)
 
 
-def _slot_cells(canvas: Canvas, spec: PatternSpec, modules: float | None = None) -> int:
-    """How wide a pinch leaves a slot, in cells; as is darkest, or as many modules."""
+def _slot_cells(canvas: Canvas, spec: PatternSpec) -> int:
+    """How wide a pinch leaves a slot, in cells."""
     lattice = canvas.lattice
-    darkest = min(round(SLOT * lattice.per_module), lattice.whole(DARK_MM))
-    dark = darkest if modules is None else round(modules * lattice.per_module)
+    dark = min(round(SLOT * lattice.per_module), lattice.whole(DARK_MM))
     return max(lattice.whole(spec.gap_mm), dark, round(LEAST_SLOT_MODULES * lattice.per_module))
 
 
