@@ -39,7 +39,7 @@ def send(message: Message, write: Send) -> None:
     write(_LENGTH.pack(len(header)) + header)
     for array in arrays:
         if array.size:
-            write(memoryview(array).cast("B"))
+            write(array.data.cast("B"))
 
 
 def receive(fill: Fill, most_bytes: int) -> Message:
@@ -62,7 +62,7 @@ def receive(fill: Fill, most_bytes: int) -> Message:
 def _array(fill: Fill, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
     array = np.empty(shape, kind)
     if array.size:
-        fill(memoryview(array).cast("B"))
+        fill(array.data.cast("B"))
     return array
 
 

@@ -91,7 +91,8 @@ class Worker:
         with self._lock:
             answer = self._exchange(self._running(), Message(value, arrays))
         if "error" in answer.value:
-            _raise(*answer.value["error"], self._limits)
+            kind, text = answer.value["error"]
+            _raise(kind, text, self._limits)
         return Message(answer.value["answer"], answer.arrays)
 
     def stop(self) -> None:
