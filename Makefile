@@ -9,7 +9,10 @@ BIN    := $(VENV)/bin
 # Shared libraries: libgl1 for the solid modeller and VTK; the X and GLU ones for gmsh; zbar for pyzbar.
 SYSTEM_PACKAGES := libgl1 libegl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libxrender1 libgomp1 libzbar0
 
-.PHONY: demo test setup system lint types layers unit bench clean
+# Programs that judge from outside; tests that need one are skipped by name where it is missing.
+WITNESSES := calculix-ccx freecad-python3 prusa-slicer openscad chromium
+
+.PHONY: demo test test-all setup system lint types layers unit bench clean
 
 demo: setup
 	$(BIN)/perfqr make "https://example.com/p/1234567" --size 60 -o out/text/
@@ -49,6 +52,11 @@ layers:
 
 unit:
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --max-worker-restart=0
+
+# Every witness installed, new random examples, no test skipped: before a release.
+test-all: setup-test
+	@sh .ci/system-packages $(SYSTEM_PACKAGES) $(WITNESSES)
+	HYPOTHESIS_PROFILE=new OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-skips
 
 bench: setup-test
 	$(BIN)/perfqr bench

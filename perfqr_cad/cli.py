@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from perfqr_cad import __version__, options, scratch, supervised
+from perfqr_cad import __version__, scratch, setting_options, supervised
 from perfqr_cad.errors import DesignError, NotHeldError, PerfQRError
 
 if TYPE_CHECKING:
@@ -42,8 +42,8 @@ _Json = Annotated[bool, _option("--json", help="Print JSON on standard output.")
 _TemplateName = Annotated[str, typer.Argument(help="A template's name or a .py file.")]
 
 
-@app.command(cls=options.Grouped)
-@options.with_settings
+@app.command(cls=setting_options.Grouped)
+@setting_options.with_settings
 def make(
     context: typer.Context,
     payload: Annotated[str | None, typer.Argument(metavar="TEXT", help="The text of the code.")] = None,
@@ -74,8 +74,10 @@ def make(
         raise DesignError(f"{given} names a parameter set only together with {missing}: give both")
     chosen = catalog.find(template)
     sets = catalog.read_parameter_set(set_file, set_name) if set_file and set_name is not None else {}
-    explicit = options.joined(catalog.read_definitions(define or []), options.given(context.params, payload))
-    values = chosen.values(options.over(sets, explicit))
+    explicit = setting_options.joined(
+        catalog.read_definitions(define or []), setting_options.given(context.params, payload)
+    )
+    values = chosen.values(setting_options.over(sets, explicit))
     export.check(outputs)
     with _progress():
         design = chosen.build(values, timeout_s=template_timeout).written(outputs)

@@ -8,6 +8,8 @@ value, the limit and the remedy; the command line prints it and exits 2, or 3 fo
     ├── CaptureError     a file that is no picture, a picture without a code
     ├── DesignError      a size, web, style or setting that cannot be made
     │   └── NotHeldError what was asked for by name, and the finished part does not hold
+    │       ├── WeakError    it breaks under the load
+    │       └── UnreadError  decoders do not read it
     ├── KernelError      the solid modeller could not build, read or write a shape
     ├── AnalysisError    a strength model that has no answer
     └── TemplateError    a template, parameter or parameter set that cannot be used
@@ -41,6 +43,14 @@ class NotHeldError(DesignError):
 
     Its message names a change with which it does, or the option that accepts the part as it is.
     """
+
+
+class WeakError(NotHeldError):
+    """The part breaks under a load that was asked for."""
+
+
+class UnreadError(NotHeldError):
+    """Decoders do not read the part, or not from as far aside as was asked."""
 
 
 class KernelError(PerfQRError):

@@ -70,7 +70,7 @@ def run() -> Table:
 
 
 def _pattern(version: int) -> Pattern:
-    spec = PatternSpec(size_mm=SIZE_MM if version <= 20 else 2 * SIZE_MM, time_limit_s=5.0)
+    spec = PatternSpec(size_mm=SIZE_MM if version <= 20 else 2 * SIZE_MM)
     return build_pattern(easiest_mask(encode(TEXT, version=version), spec), spec)
 
 

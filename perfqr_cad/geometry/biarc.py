@@ -13,7 +13,9 @@ import numpy as np
 
 from perfqr_cad.geometry.outline import LEAST_MM, Arc, Bezier, Line, Loop, Point, Points, Segment
 
-PROBES = np.linspace(0.0, 1.0, 17)[1:-1]  # parameters at which a curve is compared with its arcs
+MOST_TURN_RAD = 1.1 * math.pi / 2  # what turns more may leave the curve where that has no points
+LEAST_PROBES = 16  # points of a curve that are compared with its arcs
+PROBE_SHARE = 1 / 8  # of the tolerance: between points the curve is no farther from its chords
 LEAST_TURN_RAD = 1e-6  # what turns less is straight: over 100 mm an arc of it bows by 13 nm
 
 
@@ -36,10 +38,17 @@ def arcs_of(curve: Bezier, tol_mm: float) -> list[Line | Arc]:
     if np.ptp(controls, axis=0).max() < LEAST_MM:
         return [Line(curve.start, curve.end)]
     pieces = _biarc(controls)
-    probes = np.array([curve.at(t) for t in PROBES.tolist()])
+    probes = _points(controls, max(LEAST_PROBES, len(curve.flatten(PROBE_SHARE * tol_mm))))
     if np.min([_distance_mm(probes, piece) for piece in pieces], axis=0).max() <= tol_mm:
         return pieces
     return [piece for half in _halves(controls) for piece in arcs_of(half, tol_mm)]
+
+
+def _points(controls: Points, count: int) -> Points:
+    """(count, 2) points of the curve at equal steps of its parameter, without its ends."""
+    t = np.linspace(0.0, 1.0, count + 2)[1:-1, None]
+    s = 1 - t
+    return np.hstack([s**3, 3 * s * s * t, 3 * s * t * t, t**3]) @ controls
 
 
 def _halves(controls: Points) -> tuple[Bezier, Bezier]:
@@ -79,11 +88,15 @@ def _direction(controls: Points) -> Points:
 
 
 def _arc(start: Points, end: Points, leaving: Points) -> Line | Arc:
-    """The arc between two points that leaves the first in a direction; a line where it hardly turns, or where
-    the direction points straight away from the second, as at a cusp."""
+    """The arc between two points that leaves the first in a direction.
+
+    A line where it hardly turns, and where it would turn by more than `MOST_TURN_RAD`: there the curve
+    doubles back, and its halves will do better.
+    """
     dx, dy = end - start
     half_turn = math.atan2(leaving[0] * dy - leaving[1] * dx, leaving[0] * dx + leaving[1] * dy)
-    if abs(math.sin(half_turn)) < LEAST_TURN_RAD / 2:
+    turns = LEAST_TURN_RAD <= 2 * abs(half_turn) <= MOST_TURN_RAD
+    if not turns or math.hypot(dx, dy) < LEAST_MM:
         return Line(_point(start), _point(end))
     centre = (start + end + np.array([-dy, dx]) / math.tan(half_turn)) / 2
     return Arc(_point(start), _point(end), _point(centre), half_turn > 0)

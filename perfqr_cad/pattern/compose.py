@@ -54,7 +54,7 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
         weight = spec.loss_weight if spec.objective == "paper" else 0.0
         canvas, losses = join_paper(canvas, symbol, spec.web_mm, weight, solid_is_dark, spec.seed)
     canvas = link_corners(canvas, spec.web_mm, spec.gap_mm, right_solid, sparing)
-    canvas, optimality = join(canvas, symbol, scale, spec.web_mm, solid_is_dark, spec.time_limit_s)
+    canvas, optimality = join(canvas, symbol, scale, spec.web_mm, solid_is_dark, spec.most_nodes)
     if spec.objective != "optimal":
         optimality = None
     if not canvas.shapes:
@@ -80,7 +80,7 @@ def rejoined(
         if (pieces := numbered_pieces(canvas, spec)) is None:
             return canvas, True
         inverted = spec.tone == "inverted"
-        canvas, _ = join(canvas, symbol, scale, spec.web_mm, inverted, spec.time_limit_s, pieces)
+        canvas, _ = join(canvas, symbol, scale, spec.web_mm, inverted, spec.most_nodes, pieces)
         canvas = link_corners(canvas, spec.web_mm, spec.gap_mm, right_solid)
     return canvas, False
 

@@ -63,11 +63,11 @@ class PatternSpec:
     contour: Contour = "smooth"
     surround: Surround = NOTHING
     seed: int = 0
-    time_limit_s: float = 10.0
+    most_nodes: int = 2000
 
     def __post_init__(self) -> None:
         _positive("nozzle_mm", self.nozzle_mm)
-        _positive("time_limit_s", self.time_limit_s)
+        _positive("most_nodes", self.most_nodes)
         _positive("bar_height_mm", self.bar_height_mm)
         for name in ("bar_width_mm", "min_web_mm", "min_gap_mm", "size_mm"):
             if (value := getattr(self, name)) is not None:

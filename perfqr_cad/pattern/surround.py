@@ -59,6 +59,10 @@ class Surround:
         """Whether there is nothing around the code."""
         return not (self.frame_mm or self.corner_radius_mm or self.holes or self.corner_hole_mm)
 
+    def outline(self, size_mm: float) -> Loop:
+        """The outer edge around a code of that edge."""
+        return _outline(size_mm / 2 + self.frame_mm, self.corner_radius_mm)
+
     def all_holes(self, size_mm: float) -> tuple[Hole, ...]:
         """The holes around a code of that edge, those in the corners last."""
         if self.corner_hole_mm is None:
@@ -86,7 +90,7 @@ def surrounded(
             "a frame, rounded corners or mounting holes need the quiet zone as material, which an inverted "
             "code leaves open: use --tone normal"
         )
-    outer = _outline(size_mm / 2 + surround.frame_mm, surround.corner_radius_mm)
+    outer = surround.outline(size_mm)
     holes = surround.all_holes(size_mm)
     _check(outer, holes, body.holes, size_mm, web_mm)
     return Region(outer, (*body.holes, *(Loop((hole.circle,)) for hole in holes))), *others

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from perfqr_cad.pipeline.promises import Promise
     from perfqr_cad.pipeline.request import Request
     from perfqr_cad.scan import ScanReport
-    from perfqr_cad.structure import Reinforcement, SolidCheck, StressField
+    from perfqr_cad.structure import Capacity, Reinforcement, SolidCheck, StressField
     from perfqr_cad.symbol import Symbol
 
 
@@ -86,15 +86,16 @@ def summary(design: Finished) -> str:
             f"in 3-D    {checked.solid_stress_mpa:.3g} MPa, deflection {checked.solid_deflection_mm:.3g} mm, "
             "the walls taken as upright"
         )
-    weak = [f"WEAK      {design.reinforcement.status}: see strength below"]
+    weak = [f"WEAK      {design.reinforcement.status.removeprefix('weak: ')}"]
     lines = [
         *([] if design.reinforcement.strong else weak),
+        *(f"bears     {one.words}, asked {one.asked_n:.2g} N" for one in design.reinforcement.capacities),
         f"payload   {payload_text(design)}",
         f"symbol    version {design.symbol.version}-{design.symbol.level}, mask {design.symbol.mask}, "
         f"L(Q) = {pattern.readability.total:.4g}",
         f"pattern   module {pattern.module_mm:.3f} mm, {pattern.islands_before} islands, {bridges} bridges, "
         f"{lost} codewords lost",
-        f"strength  {design.reinforcement.status}: {stress.max_stress_mpa:.3g} MPa of {stress.yield_mpa:g}, "
+        f"strength  {stress.max_stress_mpa:.3g} MPa of {stress.limit_mpa:.3g} allowed, "
         f"deflection {stress.max_deflection_mm:.3g} mm, {stress.material}, {design.mass_g:.1f} g",
         *in_3d,
         f"solid     {size} mm, {solid.volume_mm3:.1f} mm³, {solid.faces} faces, "
@@ -187,17 +188,24 @@ def _bodies(triangles: Triangles) -> int:
 def _structure(design: Finished) -> dict[str, Any]:
     stress, loop = design.stress, design.reinforcement
     return {
+        "bears": [_capacity(one) for one in loop.capacities],
         "material": stress.material,
-        "pressure_mpa": design.request.pressure_mpa,
-        "finger_n": design.request.finger_n,
-        "own_weight": design.request.own_weight,
+        "e_mpa": stress.e_mpa,
+        "nu": stress.nu,
+        "shear_correction": stress.kappa,
+        "disc_width_mm": stress.disc_width_mm,
         "support": stress.support,
+        "load_n": list(stress.load_n),
+        "reactions_n": list(stress.reactions_n),
+        "balance": stress.balance,
         "max_stress_mpa": stress.max_stress_mpa,
-        "taper_factor": stress.taper.stress,
+        "max_stress_at_mm": list(stress.max_stress_at_mm),
         "sharp_peak_mpa": stress.sharp_peak_mpa,
         "yield_mpa": stress.yield_mpa,
+        "limit_mpa": stress.limit_mpa,
         "safety_factor": stress.safety_factor,
         "max_deflection_mm": stress.max_deflection_mm,
+        "max_deflection_at_mm": list(stress.max_deflection_at_mm),
         "mass_g": design.mass_g,
         "iterations": loop.iterations,
         "status": loop.status,
@@ -205,6 +213,23 @@ def _structure(design: Finished) -> dict[str, Any]:
         "solver": stress.solver,
         "warnings": list(stress.warnings),
         "solid_check": None if design.verified is None else _solid_check(design.verified),
+    }
+
+
+def _capacity(one: Capacity) -> dict[str, Any]:
+    """What the part bears of one load, where, and what is allowed."""
+    return {
+        "load": one.load.name,
+        "bears_n": one.bears_n,
+        "asked_n": one.asked_n,
+        "enough": one.enough,
+        "pressed": one.where,
+        "pressed_at_mm": None if one.loaded_at_mm is None else list(one.loaded_at_mm),
+        "breaks": one.breaks,
+        "breaks_at_mm": list(one.stressed_at_mm),
+        "stress_mpa": one.stress_mpa,
+        "limit_mpa": one.limit_mpa,
+        "deflection_mm": one.deflection_mm,
     }
 
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from perfqr_cad.errors import DesignError, NotHeldError
 from perfqr_cad.pipeline.design import Design
 from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
+from perfqr_cad.pipeline.holding import attempts
 from perfqr_cad.pipeline.promises import promises, require_kept
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
@@ -61,10 +62,13 @@ def run(request: Request, target: Target | None = None) -> Design:
     Raises `NotHeldError` when the part is weak or unread where it was asked not to be; its message names a
     change with which the part was made and holds, or says what was tried.
     """
-    try:
-        return _once(request, target)
-    except NotHeldError as shortfall:
-        raise advised(shortfall, request, lambda changed: _once(changed, target)) from None
+    shortfalls: list[NotHeldError] = []
+    for attempt in attempts(request):
+        try:
+            return _once(attempt, target)
+        except NotHeldError as shortfall:
+            shortfalls.append(shortfall)
+    raise advised(shortfalls[0], request, lambda changed: _once(changed, target))
 
 
 def _once(request: Request, target: Target | None) -> Design:

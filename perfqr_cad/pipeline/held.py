@@ -6,16 +6,18 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from perfqr_cad.errors import DesignError, NotHeldError, PerfQRError
-from perfqr_cad.pipeline.request import SETTINGS, Request
+from perfqr_cad.errors import DesignError, NotHeldError, PerfQRError, UnreadError, WeakError
+from perfqr_cad.pipeline.holding import front
+from perfqr_cad.pipeline.request import Request
+from perfqr_cad.pipeline.resolve import asked_loads
 
 if TYPE_CHECKING:
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.structure import Reinforcement
 
 LEAST_READERS = 2  # a part that fewer engines read from straight above counts as unread
-LOADS = ("pressure_mpa", "finger_n", "own_weight")
 LARGER, THICKER, THINNER = (1.25, 1.6), (1.5, 2.0), (0.75, 0.5)  # factors tried, the smallest change first
+MOST_HOLDS = 3  # of the finder rings that are tried, the strongest ones
 THINNEST_MM = 0.8  # that still prints as a plate
 
 
@@ -34,21 +36,25 @@ def required(request: Request) -> tuple[str, ...]:
 
 
 def require_borne(request: Request, reinforced: Reinforcement) -> None:
-    """Raises `NotHeldError` when a load was asked for by name and the part does not bear it."""
-    asked = [name for name in LOADS if getattr(request, name) != _default(name)]
-    if asked and not reinforced.strong and not request.accept_weak:
-        stress, loads = reinforced.after, " and ".join(f"{name}={getattr(request, name):g}" for name in asked)
-        raise NotHeldError(
-            f"weak under {loads}: {stress.max_stress_mpa:.3g} MPa of {stress.yield_mpa:g} "
+    """Raises `WeakError` when a load was asked for by name and the part does not bear it."""
+    named = {entry.partition("=")[0].strip() for entry in asked_loads(request)}
+    if request.pressure_mpa:
+        named.add("pressure")
+    if "handling" in named:
+        named |= {one.load.name for one in reinforced.capacities}
+    short = [one for one in reinforced.capacities if one.load.name in named and not one.enough]
+    if short and not request.accept_weak:
+        raise WeakError(
+            f"weak: bears {short[0].words}, asked {short[0].asked_n:.3g} N, and breaks {short[0].breaks} "
             "(--accept-weak writes it all the same)"
         )
 
 
 def require_read(request: Request, report: ScanReport) -> None:
-    """Raises `NotHeldError` when fewer than two engines read the part, or not those, or not to the tilt, that
+    """Raises `UnreadError` when fewer than two engines read the part, or not those, or not to the tilt, that
     were asked for."""
     if (shortfall := _unread(request, report)) and not request.accept_unread:
-        raise NotHeldError(f"{shortfall} (--accept-unread writes it all the same)")
+        raise UnreadError(f"{shortfall} (--accept-unread writes it all the same)")
 
 
 def _unread(request: Request, report: ScanReport) -> str | None:
@@ -71,33 +77,39 @@ def _unread(request: Request, report: ScanReport) -> str | None:
 def advised(shortfall: NotHeldError, request: Request, make: Callable[[Request], object]) -> NotHeldError:
     """The shortfall with a remedy: the first single change of the request with which `make` succeeds."""
     tried: list[str] = []
-    for words, changed in _remedies(request):
+    changes = _stronger(request) if isinstance(shortfall, WeakError) else _more_legible(request)
+    for words, changed in changes:
         try:
             make(changed)
         except PerfQRError:
             tried.append(words)
         else:
-            return NotHeldError(f"{shortfall}: use {words}, which was tried")
-    return NotHeldError(f"{shortfall}: tried without success: {'; '.join(tried)}")
+            return type(shortfall)(f"{shortfall}: use {words}, which was tried")
+    return type(shortfall)(f"{shortfall}: tried without success: {'; '.join(tried)}")
 
 
-def _remedies(request: Request) -> Iterator[tuple[str, Request]]:
-    """Single changes of the request that may help, with the option that makes each."""
+def _stronger(request: Request) -> Iterator[tuple[str, Request]]:
+    """Changes that may bear more, with the options that make each."""
+    for hold in tuple(front(request.thickness_mm, request.nozzle_mm))[-MOST_HOLDS:]:
+        width = "" if hold.width_mm is None else f" --bar-width {hold.width_mm:g}"
+        bars = f"--bars {hold.bars} --bar-height {hold.height_mm:g}{width}"
+        yield f"{bars} --thickness {hold.thickness_mm:g}", hold.applied(request)
+    for factor in THICKER:
+        thick_mm = round(factor * request.thickness_mm, 2)
+        changed = replace(request, finder="panel", thickness_mm=thick_mm)
+        yield f"--finder panel --thickness {thick_mm:g}", changed
+
+
+def _more_legible(request: Request) -> Iterator[tuple[str, Request]]:
+    """Single changes that may be read better, with the option that makes each."""
     if request.colour is not None or request.ground is not None:
         yield "no --colour and --ground of your own", replace(request, colour=None, ground=None)
     if request.depth_mm is not None:
         yield "no --depth, for through-holes", replace(request, depth_mm=None)
     for share in THINNER:
-        if (thin := round(share * request.thickness_mm, 2)) >= THINNEST_MM:
-            yield f"--thickness {thin:g}", replace(request, thickness_mm=thin)
+        if (thin_mm := round(share * request.thickness_mm, 2)) >= THINNEST_MM:
+            yield f"--thickness {thin_mm:g}", replace(request, thickness_mm=thin_mm)
     if request.size_mm is not None:
         for factor in LARGER:
-            size = round(factor * request.size_mm)
-            yield f"--size {size}", replace(request, size_mm=float(size))
-    for factor in THICKER:
-        thick = round(factor * request.thickness_mm, 2)
-        yield f"--thickness {thick:g}", replace(request, thickness_mm=thick)
-
-
-def _default(name: str) -> object:
-    return next(declared.default for declared in SETTINGS if declared.field == name)
+            size_mm = round(factor * request.size_mm)
+            yield f"--size {size_mm}", replace(request, size_mm=float(size_mm))

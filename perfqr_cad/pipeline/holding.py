@@ -8,6 +8,7 @@ cantilever is an estimate: it puts the holds in order, and the structure layer h
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from perfqr_cad.pattern.joining import finder, rings
@@ -18,9 +19,11 @@ RING = 5.0  # modules across the light ring of a finder, 7 with its dark ring
 SHADE_MM = 1.2  # depth of a bar's top from which its slot is dark
 STEP_MM = 0.4  # between thicknesses
 THICKEST_MM = 4.0  # holes of 1.6 mm in a thicker plate are hidden at 20°
-# Stress by a fingertip (pad of 8 mm) on the far side of a ring over that of one on its middle. The middle's
-# is the estimate's to 2 % (24 MPa under 5 N, 3-D elements; two bars 1.2 mm high in a plate of 2.4 mm).
+# Stress by a fingertip (8 mm pad) on the far side of a ring over that of one on its middle. The middle's is
+# the estimate's to 2 % (24 MPa under 5 N, 3-D elements; two bars 1.2 mm high in a plate of 2.4 mm).
 WORST_PLACE = 1.3
+HOPEFUL = 2.0  # times its estimate: a hold that would have to bear more than that is not tried
+USUAL_MODULE_MM = 1.6  # bars and levers grow alike, so that the estimate hardly depends on it
 ALLOWABLE_MPA = 25.0  # of PLA: half its yield stress, which leaves a factor of 2
 
 
@@ -95,6 +98,18 @@ def holding(
     enough = [hold for hold in holds if hold.bears_n(module_mm, allowable_mpa) >= force_n]
     strongest = max(holds, key=lambda hold: hold.bears_n(module_mm, allowable_mpa))
     return tuple(hold.applied(request) for hold in enough or [strongest])
+
+
+def attempts(request: Request) -> Iterator[Request]:
+    """The request as it is, then, where a hand's force is asked for, with other holds of the rings: those
+    that read from furthest aside first, without those that are far too weak by the estimate."""
+    yield request
+    named = any(value is not None for value in (request.bars, request.bar_height_mm, request.bar_width_mm))
+    if request.handling_n is None or named:
+        return
+    for hold in front(request.thickness_mm, request.nozzle_mm):
+        if HOPEFUL * hold.bears_n(USUAL_MODULE_MM) >= request.handling_n:
+            yield hold.applied(request)
 
 
 def _stress_mpa(lever_mm: float, twist_mm: float, width_mm: float, height_mm: float) -> float:

@@ -134,7 +134,7 @@ class Request:
     )
     caption: str | None = setting(
         None,
-        "a line of text on the frame below the code",
+        "text on the frame; a new line begins another line",
         group="Body",
         empty="none",
         max_length=MOST_CAPTION,
@@ -145,7 +145,20 @@ class Request:
         "height of the caption's capital letters",
         group="Body",
         range=(0.1, 1000.0),
-        empty="half of the frame",
+        empty="half of the frame, or what its lines leave",
+    )
+    caption_place: str = setting(
+        "bottom",
+        "on which side of the code the caption stands",
+        group="Body",
+        choices=("bottom:below", "top:above"),
+    )
+    font: str | None = setting(
+        None,
+        "font of the caption: the name of an installed one, or a file",
+        group="Body",
+        empty="DejaVu Sans, which comes along",
+        visible=True,
     )
     caption_relief_mm: float = setting(
         0.4,
@@ -170,21 +183,38 @@ class Request:
         group="Strength",
         choices=("PLA", "PETG", "ABS", "PA12", "resin", "aluminium", "steel", "stainless"),
     )
-    pressure_mpa: float = setting(
-        5e-6,  # the paper's 5 Pa
-        "uniform pressure on the front",
+    load: str | None = setting(
+        None,
+        "what the part must bear: weight, fingertip, push, bend, twist, peel, pressure, with commas between;"
+        " a name alone picks, NAME=N asks for that many newtons beside the others",
         group="Strength",
-        range=(0.0, 1000.0),
+        empty="all that a hand does to it; bridges for strength only where something is asked for",
+        max_length=200,
     )
-    finger_n: float = setting(
-        0.0, "force of a fingertip at the worst place of the code", group="Strength", range=(0.0, 1e5)
+    pressure_mpa: float = setting(
+        0.0, "uniform pressure that the front must bear", group="Strength", range=(0.0, 1000.0)
     )
-    own_weight: bool = setting(False, "the part lies flat and carries its own weight", group="Strength")
-    support: str = setting(
-        "clamped",
+    finger_n: float | None = setting(
+        None,
+        "a fingertip's force that the part must bear at any place, as load fingertip=N",
+        group="Strength",
+        range=(0.01, 1e5),
+        empty="not asked for",
+    )
+    own_weight: bool = setting(False, "the part must bear its own weight, as load weight", group="Strength")
+    handling_n: float | None = setting(
+        None,
+        "a fingertip's force for which bars and thickness are changed until the part bears it",
+        group="Strength",
+        range=(0.01, 1e5),
+        empty="not asked for",
+    )
+    support: str | None = setting(
+        None,
         "how the code's square is held",
         group="Strength",
-        choices=("clamped", "simple", "two-sides", "corners"),
+        choices=("free:in the hand", "clamped", "simple", "two-sides", "corners"),
+        empty="in the hand; clamped where the wall goes on around the code",
     )
     yield_mpa: float | None = setting(
         None, "yield stress", group="Strength", range=(1e-3, 1e5), empty="the material's own"

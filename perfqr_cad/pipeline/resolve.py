@@ -14,17 +14,17 @@ from perfqr_cad.units import linear_from_srgb, srgb_from_linear
 if TYPE_CHECKING:
     from perfqr_cad.pattern import PatternSpec
     from perfqr_cad.profile import Backing, Caption, Walls
+    from perfqr_cad.profile.caption import Place
     from perfqr_cad.profile.colour import Colour
     from perfqr_cad.scan import Look, Schedule
     from perfqr_cad.scan.camera.look import RGB
-    from perfqr_cad.structure import Case, Load
+    from perfqr_cad.structure import Case
     from perfqr_cad.structure.reinforcement.algorithm1 import Method
 
 # Walls of plates: they hide the least from aside, and printers still bear the overhang (docs/scan.md).
 DRAFT_DEG, LIP_MM = 15.0, 0.2
 LEAST_FLARED_MM = 4 * LIP_MM  # thinner sheets are cut, not printed, and hide little
 LAYER_SHARE = 0.75  # of its diameter: the thickest layer that a nozzle lays well
-CAPTION_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
 
 
 @dataclass(frozen=True)
@@ -71,6 +71,7 @@ def resolve(request: Request, *, plate: bool) -> Terms:
         request,
         draft_deg=draft_deg if request.draft_deg is None else request.draft_deg,
         lip_mm=lip_mm if request.lip_mm is None else request.lip_mm,
+        support=request.support or ("free" if plate else "clamped"),
     )
     return resolved(filled, or_straight=request.draft_deg is None)
 
@@ -80,14 +81,15 @@ def resolved(request: Request, *, or_straight: bool) -> Terms:
     straight instead."""
     from perfqr_cad.profile import Walls
 
+    drawing = _drawing(request)
     return Terms(
         request=request,
-        drawing=_drawing(request),
+        drawing=drawing,
         walls=Walls(request.draft_deg or 0.0, request.lip_mm or 0.0, request.depth_mm, or_straight),
         case=_case(request),
         views=_views(request),
         look=_look(request),
-        caption=_caption(request),
+        caption=_caption(request, drawing.web_mm),
         backing=_backing(request),
         colour=_part_colour(request),
     )
@@ -128,16 +130,19 @@ def _bars(request: Request) -> dict[str, Any]:
     return chosen | {name: value for name, value in asked.items() if value is not None}
 
 
-def _caption(request: Request) -> Caption | None:
+def _caption(request: Request, web_mm: float) -> Caption | None:
     """What is written on the frame."""
-    from perfqr_cad.profile import Caption
-
     if not request.caption:
         return None
-    height = request.caption_height_mm or CAPTION_SHARE * request.frame_mm
-    if not height:
-        raise DesignError(f"the caption {request.caption!r} needs a frame to stand on: give --frame 8, say")
-    return Caption(request.caption, height, request.caption_relief_mm)
+    if not request.frame_mm:
+        raise DesignError("a caption needs a frame to stand on: give --frame 8, say")
+    from perfqr_cad.profile.caption import Caption, fitting_height_mm
+
+    height_mm = request.caption_height_mm
+    if height_mm is None:
+        height_mm = fitting_height_mm(request.caption, request.font, request.frame_mm, web_mm)
+    place: Place = request.caption_place  # pyright: ignore[reportAssignmentType]  # Caption refuses others
+    return Caption(request.caption, height_mm, request.caption_relief_mm, request.font, place)
 
 
 def _backing(request: Request) -> Backing | None:
@@ -152,26 +157,29 @@ def _backing(request: Request) -> Backing | None:
     return Backing(request.backing_mm, request.gap_mm, colour)
 
 
-def _loads(request: Request) -> tuple[Load, ...]:
-    """What pushes on the part, all at once."""
-    from perfqr_cad.structure import Finger, Pressure, Weight
-
-    finger = (Finger(request.finger_n),) if request.finger_n else ()
-    weight = (Weight(),) if request.own_weight else ()
-    return (Pressure(request.pressure_mpa), *finger, *weight)
-
-
 def _case(request: Request) -> Case:
-    """What the part is asked to bear, its holes wider at the back by a flare on each side."""
-    from perfqr_cad.structure import Case
+    """What the part is asked to bear in the hand, or as it is mounted. A wall that goes on around the code is
+    printed upright as a rule, a plate flat."""
+    from perfqr_cad.structure import Case, handling_loads
 
-    return Case.of(
-        _loads(request),
+    case = Case.of(
+        (),
         material=request.material,
-        support=request.support,
+        support=request.support or "clamped",
         nozzle_mm=request.nozzle_mm,
         yield_mpa=request.yield_mpa,
     )
+    loads = handling_loads(asked_loads(request), request.pressure_mpa)
+    asked = bool(asked_loads(request) or request.pressure_mpa)
+    return case.for_hands(loads, upright=request.support != "free", strengthen=asked)
+
+
+def asked_loads(request: Request) -> tuple[str, ...]:
+    """The loads that were asked for by name, as they were written."""
+    listed = [name.strip() for name in (request.load or "").split(",") if name.strip()]
+    forces = (request.finger_n, request.handling_n)
+    listed += [f"fingertip={force_n:g}" for force_n in forces if force_n is not None]
+    return (*listed, "weight") if request.own_weight else tuple(listed)
 
 
 def _views(request: Request) -> Schedule:

@@ -1,220 +1,236 @@
-"""A line of text on the frame below the code, raised or engraved: letters are loops like any others.
-
-Outlines come from the font as they are, lines and Béziers; no boolean is made.
-"""
+"""Text on the frame above or below the code, raised or engraved: where it stands, and whether it can."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path as FilePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 import shapely
+from shapely.affinity import scale, translate
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.geometry.outline import LEAST_MM, Bezier, Line, Loop, Point, Region, Segment
-from perfqr_cad.profile.loft import Level, Loft
-from perfqr_cad.profile.sections import Sections
+from perfqr_cad.geometry.outline import Region
+from perfqr_cad.pattern.spec import GREATEST_SIZE_MM
+from perfqr_cad.profile.lettering import Extent, drawn, extent, moved_region
 
 if TYPE_CHECKING:
-    from matplotlib.font_manager import FontProperties
+    from perfqr_cad.pattern import Pattern, PatternSpec
 
-    from perfqr_cad.pattern import Pattern
+Place = Literal["bottom", "top"]
 
-FONT = "DejaVu Sans"  # comes with matplotlib: the same outlines on every machine
+FRAME_SHARE = 0.5  # of the frame's width that capital letters take, if nothing else is asked for
 LEAST_FLOOR_MM = 0.4  # behind an engraved letter: two printed layers
-MOVE, LINE, QUADRATIC, CUBIC, CLOSE = 1, 2, 3, 4, 79  # matplotlib's path codes
+LINE_SHARE = 0.5  # of the nozzle: slicers leave out, or close, what is narrower than half a line
+LOST_SHARE = 0.2  # of a letter's ink that may come and go with such details
+MEASURED_MM = 10.0  # height of capitals at which strokes are measured: shares of it, whatever the height
+SLACK_MM = 1e-6  # rounding in lengths that were chosen to fit
+HALVINGS = 30  # of a range in which a limit is sought
+STEPS_PER_MM = 100  # lengths in remedies are multiples of 0.01 mm, on the side where they hold
 
 
 @dataclass(frozen=True)
 class Caption:
-    """Text on the frame.
+    """Text on the frame; a new line begins a line of its own.
 
     height_mm  of a capital letter
     relief_mm  how far letters stand out of the face; below 0: how deep they are engraved
     font       a family that is installed, or the path of a font file; None: a plain sans serif
+    place      `bottom` or `top`: below or above the code
+
+    Raises `DesignError` for values that cannot be meant, and for texts that cannot be drawn
+    (`lettering.drawn`).
     """
 
     text: str
     height_mm: float
     relief_mm: float = 0.4
     font: str | None = None
+    place: Place = "bottom"
 
     def __post_init__(self) -> None:
-        if not self.text.strip() or "\n" in self.text:
-            raise DesignError(f"caption {self.text!r} is no line of text: give one with letters")
         if not (math.isfinite(self.height_mm) and self.height_mm > 0):
             raise DesignError(f"letters of {self.height_mm:g} mm: give a height above 0")
         if not (math.isfinite(self.relief_mm) and self.relief_mm):
             raise DesignError(
                 f"a relief of {self.relief_mm:g} mm: above 0 letters are raised, below engraved"
             )
+        if self.place not in get_args(Place):
+            raise DesignError(f"caption place {self.place!r} is not one of {', '.join(get_args(Place))}")
+        self.letters()
 
     def letters(self) -> tuple[Region, ...]:
-        """Outlines of the letters, mm, the line centred on the origin."""
-        contours = _contours(self.text, self.height_mm, self.font)
-        corners = np.vstack([loop.flatten() for loop in contours])
-        middle = (corners[:, 0].min() + corners[:, 0].max()) / 2
-        return _regions([_moved(loop, -middle, -self.height_mm / 2) for loop in contours])
+        """Outlines of the letters, mm, the lines centred about the origin."""
+        return drawn(self.text, self.height_mm, self.font)
 
-    def below(self, pattern: Pattern, thickness_mm: float) -> tuple[Region, ...]:
-        """The letters in the middle of the frame below the code. Raises `DesignError` where they do not
-        fit."""
-        surround = pattern.spec.surround
-        web = pattern.spec.web_mm
-        letters = self.letters()
-        low, high = (f(axis=0) for f in (_corners(letters).min, _corners(letters).max))
-        strip = surround.frame_mm - web
-        if high[1] - low[1] > strip:
-            raise DesignError(
-                f"letters {high[1] - low[1]:.3g} mm high do not fit a frame of {surround.frame_mm:g} mm with "
-                f"{web:g} mm beside them: take --frame {high[1] - low[1] + web:.3g} or smaller letters"
-            )
-        if thickness_mm + min(self.relief_mm, 0.0) < LEAST_FLOOR_MM:
-            raise DesignError(
-                f"letters engraved by {-self.relief_mm:g} mm leave less than {LEAST_FLOOR_MM:g} mm of a wall "
-                f"of {thickness_mm:g} mm: engrave {max(thickness_mm - LEAST_FLOOR_MM, 0):g} mm at most"
-            )
-        # Descenders share the strip: the line is centred by its outlines, not by its capitals.
-        centre = -(pattern.size_mm + strip) / 2 - (high[1] + low[1]) / 2
-        placed = tuple(_shifted(letter, 0.0, centre) for letter in letters)
-        _check(placed, pattern, web)
-        return placed
+    @property
+    def extent(self) -> Extent:
+        """How much room the letters take, in heights of a capital."""
+        return extent(self.text, self.font)
+
+    def placed(self, pattern: Pattern, thickness_mm: float) -> tuple[Region, ...]:
+        """The letters in the middle of their strip of the frame.
+
+        Raises `DesignError` where they do not fit, or are too fine for the nozzle.
+        """
+        _require_floor(self, thickness_mm)
+        _require_frame(self, pattern.spec)
+        _require_printable(self, pattern.spec)
+        strip = _Strip(pattern.spec, pattern.size_mm, self.place)
+        _require_room(self, strip)
+        up = strip.middle_mm - self.height_mm * self.extent.middle
+        return tuple(moved_region(letter, 1.0, 0.0, up) for letter in self.letters())
+
+    def is_printable(self, height_mm: float, nozzle_mm: float) -> bool:
+        """Whether, so high, letters keep their strokes and gaps when those under half a line go."""
+        if height_mm <= 0:
+            return False
+        narrowest_mm = LINE_SHARE * nozzle_mm * MEASURED_MM / height_mm
+        return _lost(drawn(self.text, MEASURED_MM, self.font), narrowest_mm) <= LOST_SHARE
 
 
-def lettered(sections: Sections, letters: Sequence[Region], relief_mm: float) -> Sections:
-    """The part with letters on the first piece of its front."""
-    known = [loft.floor for loft in sections.lofts]
-    number, piece = max(known, default=0), sections.pieces
-    lofts: list[Loft] = []
+def fitting_height_mm(text: str, font: str | None, frame_mm: float, web_mm: float) -> float:
+    """Height of capitals when none is asked for: half of the frame, less where lines need that to fit."""
+    height_mm = FRAME_SHARE * frame_mm
+    if frame_mm <= web_mm:
+        return height_mm  # for which there is no room, as will be said
+    return min(height_mm, (frame_mm - web_mm) / extent(text, font).height)
+
+
+@dataclass(frozen=True)
+class _Strip:
+    """The part of a frame that a caption stands in: on one side of a code of some size."""
+
+    spec: PatternSpec
+    size_mm: float
+    place: Place
+
+    @property
+    def middle_mm(self) -> float:
+        """Where it is, from the centre of the code upwards."""
+        away = (self.size_mm + self.spec.surround.frame_mm - self.spec.web_mm) / 2
+        return away if self.place == "top" else -away
+
+    def gap_mm(self, ink: shapely.Polygon) -> float:
+        """What ink in its middle leaves to the outer edge and to mounting holes."""
+        placed = translate(ink, 0.0, self.middle_mm)
+        rim = shapely.Polygon(self.spec.surround.outline(self.size_mm).flatten())
+        gaps = [rim.exterior.distance(placed) if rim.covers(placed) else 0.0]
+        for hole in self.spec.surround.all_holes(self.size_mm):
+            gaps.append(placed.distance(shapely.Point(hole.x_mm, hole.y_mm)) - hole.diameter_mm / 2)
+        return max(min(gaps), 0.0)
+
+    def has_room(self, ink: shapely.Polygon) -> bool:
+        """Whether half a web is left, beside the web below the letters."""
+        return self.gap_mm(ink) >= self.spec.web_mm / 2 - SLACK_MM
+
+
+def _require_floor(caption: Caption, thickness_mm: float) -> None:
+    """Behind engraved letters there is something left."""
+    depth_mm = -caption.relief_mm
+    if depth_mm <= 0 or thickness_mm - depth_mm >= LEAST_FLOOR_MM - SLACK_MM:
+        return
+    deepest_mm = _down(thickness_mm - LEAST_FLOOR_MM)
+    less = f"engrave {deepest_mm:g} mm at most, or " if deepest_mm > 0 else ""
+    raise DesignError(
+        f"letters engraved by {depth_mm:g} mm leave less than {LEAST_FLOOR_MM:g} mm of a wall of "
+        f"{thickness_mm:g} mm: {less}take --thickness {_up(depth_mm + LEAST_FLOOR_MM):g}"
+    )
+
+
+def _require_frame(caption: Caption, spec: PatternSpec) -> None:
+    """The frame is as wide as the lines are high, and a web."""
+    frame_mm = spec.surround.frame_mm
+    high_mm = caption.height_mm * caption.extent.height
+    if high_mm + spec.web_mm <= frame_mm + SLACK_MM:
+        return
+    smaller_mm = _down((frame_mm - spec.web_mm) / caption.extent.height)
+    smaller = f" or {_letters_of(smaller_mm)}" if caption.is_printable(smaller_mm, spec.nozzle_mm) else ""
+    raise DesignError(
+        f"letters {high_mm:.3g} mm high do not fit a frame of {frame_mm:g} mm with {spec.web_mm:g} mm "
+        f"beside them: take --frame {_up(high_mm + spec.web_mm):g}{smaller}"
+    )
+
+
+def _require_printable(caption: Caption, spec: PatternSpec) -> None:
+    """The nozzle can lay the strokes, and leave the gaps."""
+    if caption.is_printable(caption.height_mm, spec.nozzle_mm):
+        return
+    height_mm = _up(_limit(lambda h: caption.is_printable(h, spec.nozzle_mm), spec.nozzle_mm * 1e3, 0.0))
+    frame_mm = caption.extent.height * height_mm + spec.web_mm
+    wider = f" and --frame {_up(frame_mm):g}" if frame_mm > spec.surround.frame_mm else ""
+    raise DesignError(
+        f"letters {caption.height_mm:.3g} mm high have strokes or gaps narrower than half a nozzle line "
+        f"({LINE_SHARE * spec.nozzle_mm:g} mm): take {_letters_of(height_mm)}{wider}, or a finer --nozzle"
+    )
+
+
+def _require_room(caption: Caption, strip: _Strip) -> None:
+    """Letters keep away from the part's edge and from mounting holes."""
+    ink = _ink(caption)
+    if strip.has_room(ink):
+        return
+    remedies = ", ".join([*_more_room(caption, strip, ink), "or a shorter text"])
+    raise DesignError(
+        f"a caption {caption.height_mm * caption.extent.width:.3g} mm wide comes within "
+        f"{strip.gap_mm(ink):.3g} mm of the edge or a mounting hole (limit {strip.spec.web_mm / 2:g} mm): "
+        f"take {remedies.removeprefix('or ')}"
+    )
+
+
+def _more_room(caption: Caption, strip: _Strip, ink: shapely.Polygon) -> Iterator[str]:
+    """What would let a caption stand clear; each has been tried."""
+
+    def scaled(share: float) -> bool:
+        return strip.has_room(scale(ink, share, share, origin=(0.0, 0.0)))
+
+    def sized(size_mm: float) -> bool:
+        return replace(strip, size_mm=size_mm).has_room(ink)
+
+    height_mm = _down(caption.height_mm * _limit(scaled, 0.0, 1.0))
+    if caption.is_printable(height_mm, strip.spec.nozzle_mm):
+        yield _letters_of(height_mm)
+    other: Place = "bottom" if strip.place == "top" else "top"
+    if replace(strip, place=other).has_room(ink):
+        yield f"--caption-place {other}"
+    # Holes that are placed by hand do not move out with the edge.
+    if not strip.spec.surround.holes and sized(GREATEST_SIZE_MM):
+        yield f"--size {_up(_limit(sized, GREATEST_SIZE_MM, strip.size_mm)):g}"
+
+
+def _letters_of(height_mm: float) -> str:
+    return f"--caption-height {height_mm:g}"
+
+
+def _ink(caption: Caption) -> shapely.Polygon:
+    """The convex hull of the letters about their middle."""
+    corners = np.vstack([letter.outer.flatten() for letter in caption.letters()])
+    return shapely.MultiPoint(corners - (0.0, caption.height_mm * caption.extent.middle)).convex_hull
+
+
+def _lost(letters: Sequence[Region], narrowest_mm: float) -> float:
+    """The greatest share of a letter's ink that goes with strokes under a width, or comes with such gaps."""
+    shares: list[float] = []
     for letter in letters:
-        number += 1
-        for k, loop in enumerate(letter.loops):
-            # A letter's own outline ends on the whole front; what it encloses is a piece of its own.
-            at = 0 if k == 0 else piece
-            piece += k > 0
-            if relief_mm > 0:
-                levels = Level(-relief_mm, True), Level(0.0, True)
-                lofts.append(Loft((loop, loop), levels, boss=number, piece=at))
-            else:
-                levels = Level(0.0, True), Level(-relief_mm, True)
-                hole = loop.reversed()
-                lofts.append(Loft((hole, hole), levels, floor=number, piece=at))
-    return replace(sections, lofts=(*sections.lofts, *lofts), pieces=piece)
+        ink, step = letter.polygon(), narrowest_mm / 2
+        opened, closed = ink.buffer(-step).buffer(step).area, ink.buffer(step).buffer(-step).area
+        shares.append(max(ink.area - opened, closed - ink.area) / ink.area)
+    return max(shares)
 
 
-def _check(letters: Sequence[Region], pattern: Pattern, web_mm: float) -> None:
-    """Letters lie on the frame, a web away from its edge and from mounting holes."""
-    text = shapely.MultiPoint(_corners(letters))
-    body = pattern.front[0]
-    rim = shapely.Polygon(body.outer.flatten())
-    gap = rim.exterior.distance(text) if rim.covers(text) else 0.0
-    for hole in pattern.spec.surround.all_holes(pattern.size_mm):
-        at = shapely.Point(hole.x_mm, hole.y_mm)
-        gap = min(gap, text.convex_hull.distance(at) - hole.diameter_mm / 2)
-    if gap < web_mm * (1 - 1e-6) / 2:
-        width = float(np.ptp(_corners(letters)[:, 0]))
-        raise DesignError(
-            f"a caption {width:.3g} mm wide comes within {max(gap, 0):.3g} mm of the edge or a mounting hole "
-            f"(limit {web_mm / 2:g} mm): take a shorter text, smaller letters or a wider --frame"
-        )
+def _limit(holds: Callable[[float], bool], good: float, bad: float) -> float:
+    """The last value at which something holds, on the way from where it does to where it does not."""
+    for _ in range(HALVINGS):
+        middle = (good + bad) / 2
+        good, bad = (middle, bad) if holds(middle) else (good, middle)
+    return good
 
 
-def _contours(text: str, height_mm: float, font: str | None) -> list[Loop]:
-    """Closed outlines of a text whose capitals are so high; baseline at y = 0."""
-    from matplotlib.textpath import TextPath
-
-    face = _font(font)
-    capital = TextPath((0, 0), "H", size=100, prop=face).vertices[:, 1].max()
-    path = TextPath((0, 0), text, size=100 * height_mm / capital, prop=face)
-    loops: list[Loop] = []
-    segments: list[Segment] = []
-    here = start = (0.0, 0.0)
-    for points, code in path.iter_segments(curves=True, simplify=False):
-        p: list[Point] = [(float(x), float(y)) for x, y in np.asarray(points).reshape(-1, 2)]
-        if code == MOVE:
-            here = start = p[0]
-            continue
-        drawn = _segment(here, [start] if code == CLOSE else p, int(code))
-        if math.dist(drawn.start, drawn.end) > LEAST_MM:
-            segments.append(drawn)
-            here = drawn.end
-        if code == CLOSE and segments:
-            loops.append(Loop((*segments[:-1], _ending(segments[-1], start))))
-            segments = []
-    return loops
+def _up(length_mm: float) -> float:
+    return math.ceil(length_mm * STEPS_PER_MM - SLACK_MM) / STEPS_PER_MM
 
 
-def _segment(start: Point, p: list[Point], code: int) -> Segment:
-    """A line, or a curve as a cubic."""
-    if code in (LINE, CLOSE):
-        return Line(start, p[-1])
-    if code == CUBIC:
-        return Bezier(start, p[0], p[1], p[2])
-
-    def lifted(a: Point, b: Point) -> Point:
-        return a[0] + 2 / 3 * (b[0] - a[0]), a[1] + 2 / 3 * (b[1] - a[1])
-
-    return Bezier(start, lifted(start, p[0]), lifted(p[1], p[0]), p[1])
-
-
-def _ending(segment: Segment, end: Point) -> Segment:
-    """The segment, its end moved by rounding onto a point."""
-    return replace(segment, end=end)  # pyright: ignore[reportCallIssue] - the last of a contour is no circle
-
-
-def _font(font: str | None) -> FontProperties:
-    from matplotlib.font_manager import FontProperties, fontManager
-
-    if font is None:
-        return FontProperties(family=FONT)
-    if FilePath(font).is_file():
-        return FontProperties(fname=font)
-    if font not in {entry.name for entry in fontManager.ttflist}:
-        raise DesignError(f"font {font!r} is not installed: name another, or give the path of a font file")
-    return FontProperties(family=font)
-
-
-def _regions(contours: Sequence[Loop]) -> tuple[Region, ...]:
-    """Letters from their contours: what lies at odd depth is open. Contours that cross are united."""
-    polygons = [shapely.Polygon(loop.flatten()) for loop in contours]
-    if any(not p.is_valid for p in polygons) or any(
-        a.boundary.crosses(b.boundary) for i, a in enumerate(polygons) for b in polygons[:i]
-    ):
-        united = shapely.union_all([p.buffer(0) for p in polygons])
-        return tuple(Region.from_polygon(p) for p in shapely.get_parts(united))
-    inside = [[k for k, q in enumerate(polygons) if k != i and q.contains(p)] for i, p in enumerate(polygons)]
-    found: list[Region] = []
-    for i, around in enumerate(inside):
-        if len(around) % 2:
-            continue
-        counters = [k for k, rows in enumerate(inside) if i in rows and len(rows) == len(around) + 1]
-        found.append(
-            Region(contours[i].oriented(ccw=True), tuple(contours[k].oriented(ccw=False) for k in counters))
-        )
-    return tuple(found)
-
-
-def _corners(letters: Sequence[Region]) -> np.ndarray:
-    return np.vstack([letter.outer.flatten() for letter in letters])
-
-
-def _shifted(region: Region, dx: float, dy: float) -> Region:
-    return Region(_moved(region.outer, dx, dy), tuple(_moved(hole, dx, dy) for hole in region.holes))
-
-
-def _moved(loop: Loop, dx: float, dy: float) -> Loop:
-    """The loop, of lines and Béziers, shifted."""
-
-    def at(p: Point) -> Point:
-        return p[0] + dx, p[1] + dy
-
-    def moved(segment: Segment) -> Segment:
-        if isinstance(segment, Bezier):
-            return Bezier(*(at(p) for p in segment.controls))
-        return Line(at(segment.start), at(segment.end))
-
-    return Loop(tuple(moved(segment) for segment in loop.segments))
+def _down(length_mm: float) -> float:
+    return math.floor(length_mm * STEPS_PER_MM + SLACK_MM) / STEPS_PER_MM

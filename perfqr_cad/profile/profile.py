@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from perfqr_cad.geometry.outline import Circle, Region
 from perfqr_cad.pattern import Bridge
-from perfqr_cad.profile.caption import lettered
 from perfqr_cad.profile.flare import NoFlare
+from perfqr_cad.profile.letter_lofts import lettered
 from perfqr_cad.profile.recess import NoRecess
 from perfqr_cad.profile.sections import Sections, sections
 from perfqr_cad.profile.walls import Walls

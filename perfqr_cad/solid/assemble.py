@@ -47,7 +47,7 @@ def build(
     """
     profile = Profile.of(pattern)
     if caption is not None:
-        letters = caption.below(pattern, placement.thickness_mm)
+        letters = caption.placed(pattern, placement.thickness_mm)
         profile = replace(profile, letters=letters, relief_mm=caption.relief_mm)
     return build_profile(profile, placement, walls, name=name, colour=colour, chord_mm=chord_mm)
 

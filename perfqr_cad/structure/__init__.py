@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from perfqr_cad.structure.handling.named_loads import HandlingLoad, handling_loads
 from perfqr_cad.structure.loads import Finger, Hold, Load, Pressure, Support, Weight
 from perfqr_cad.structure.material_table import MATERIALS, Material, material
 
 if TYPE_CHECKING:
     from perfqr_cad.structure.analysis import analyse, analyse_part
+    from perfqr_cad.structure.assessment import assess
     from perfqr_cad.structure.case import Case
+    from perfqr_cad.structure.handling.capacity import Capacity
     from perfqr_cad.structure.part import Part
     from perfqr_cad.structure.reinforcement.algorithm1 import reinforce
     from perfqr_cad.structure.reinforcement.reinforced import Reinforcement
@@ -22,8 +25,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MATERIALS",
+    "Capacity",
     "Case",
     "Finger",
+    "HandlingLoad",
     "Hold",
     "Load",
     "Material",
@@ -36,12 +41,16 @@ __all__ = [
     "Weight",
     "analyse",
     "analyse_part",
+    "assess",
+    "handling_loads",
     "material",
     "reinforce",
     "verify_solid",
 ]
 
 _HOME = {
+    "Capacity": "handling.capacity",
+    "assess": "assessment",
     "Case": "case",
     "Part": "part",
     "Reinforcement": "reinforcement.reinforced",

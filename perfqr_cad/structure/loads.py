@@ -19,7 +19,7 @@ class Pressure:
     pressure_mpa: float
 
     def __post_init__(self) -> None:
-        _require_finite("pressure", self.pressure_mpa, "MPa")
+        require_finite("pressure", self.pressure_mpa, "MPa")
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Finger:
     at_mm: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        _require_finite("finger force", self.force_n, "N")
+        require_finite("finger force", self.force_n, "N")
         if not (math.isfinite(self.radius_mm) and self.radius_mm > 0.0):
             raise AnalysisError(f"finger radius is {self.radius_mm} mm; it must be a positive number")
 
@@ -49,7 +49,7 @@ class Weight:
     gravities: float = 1.0
 
     def __post_init__(self) -> None:
-        _require_finite("acceleration", self.gravities, "g")
+        require_finite("acceleration", self.gravities, "g")
         if self.direction is not None and not math.hypot(*self.direction) > 0.0:
             raise AnalysisError(f"gravity direction is {self.direction}; it must have a length")
 
@@ -64,6 +64,7 @@ class Hold(StrEnum):
     SIMPLE = "simple"  # every point of the outer boundary, displacement only
     TWO_SIDES = "two-sides"  # the left and the right edge, clamped
     CORNERS = "corners"  # four square pads in the corners of the bounding box, clamped
+    FREE = "free"  # in the hand: each load is balanced by the hand that holds against it
 
     @property
     def pinned(self) -> bool:
@@ -98,7 +99,8 @@ class Support:
         return Support(Hold(name))
 
 
-def _require_finite(label: str, value: float, unit: str) -> None:
+def require_finite(label: str, value: float, unit: str) -> None:
+    """Refuse what is no number or beyond any part."""
     if not abs(value) <= LARGEST:
         raise AnalysisError(
             f"{label} is {value} {unit}; it must be a finite number of no more than {LARGEST:g} {unit}"

@@ -1,10 +1,9 @@
 """Materials as data: isotropic, linear elastic, at room temperature.
 
 Printed plastics scatter: moduli are midpoints of the cited range, yield stresses its lower end, both of solid
-prints loaded in the plane of the layers. A part loaded across its layers carries a third to a half less (PLA
-35-45 MPa upright against 50-65 MPa flat, additive.tools). Use a lower `yield_mpa` where that matters (the
-paper stops at 10 MPa for PLA). Poisson's ratios of plastics are assumed, as of glassy and of semi-crystalline
-polymers: between 0.33 and 0.42 the deflection, with 1 - ν², changes by 8 %.
+prints loaded in the plane of the layers. What a part is allowed is less: `KnockDowns` of the process say by
+how much and whence. Poisson's ratios of plastics are assumed, as of glassy and of semi-crystalline polymers:
+between 0.33 and 0.42 the deflection, with 1 - ν², changes by 8 %.
 """
 
 from __future__ import annotations
@@ -13,6 +12,53 @@ import math
 from dataclasses import dataclass
 
 from perfqr_cad.errors import AnalysisError
+
+
+@dataclass(frozen=True)
+class KnockDowns:
+    """Shares of the yield stress that a process leaves to a part, and where each figure is from.
+
+    layers    across the layers: of walls that are printed upright, as curved ones are
+    notch     at corners finer than the disc over which stress is averaged
+    creep     under a load that stays, for years at room temperature
+    scatter   from one printer, spool or batch to the next
+    """
+
+    process: str
+    layers: float
+    notch: float
+    creep: float
+    scatter: float
+    source: str
+
+
+PRINTED = KnockDowns(
+    "fused filament",
+    layers=0.65,
+    notch=0.9,
+    creep=0.4,
+    scatter=0.9,
+    source="layers: PLA 35-45 MPa upright, 50-65 flat (additive.tools); 33.75 MPa at interfaces, 22.5 % below"
+    " the filament (3D Print. Addit. Manuf. 2020, 10.1089/3dp.2020.0109). creep: short-term figures are no"
+    " allowance for years (Curbell, plastic part design); the share, notch and scatter are assumed",
+)
+SINTERED = KnockDowns(
+    "powder or vat",
+    layers=0.85,
+    notch=0.9,
+    creep=0.4,
+    scatter=0.9,
+    source="layers: assumed between filament and solid; creep as for filament; notch and scatter: assumed",
+)
+WROUGHT = KnockDowns(
+    "sheet metal",
+    layers=1.0,
+    notch=1.0,
+    creep=1.0,
+    scatter=1.0,
+    source="minimum yield stresses of the standards named: they leave no scatter, and metals no creep at room"
+    " temperature; ductile metals yield at notches without breaking",
+)
 
 
 @dataclass(frozen=True)
@@ -25,6 +71,7 @@ class Material:
     yield_mpa: float
     density_kg_m3: float
     source: str
+    knock_downs: KnockDowns = PRINTED
 
     def __post_init__(self) -> None:
         for label, value in (
@@ -78,6 +125,7 @@ _MATERIALS = (
         930.0,
         "laser sintered: 1.39 GPa, 43 MPa (3D Systems, in PMC10406103 table 2) to 2 GPa, 52 MPa, 0.93 g/cm³"
         " (additive.tools/materials/pa12)",
+        SINTERED,
     ),
     Material(
         "resin",
@@ -86,6 +134,7 @@ _MATERIALS = (
         40.0,
         1150.0,
         "Stratasys VERO, in PMC10406103 table 2: 2.0-2.5 GPa, 40-55 MPa; acrylates 1.1-1.2 g/cm³",
+        SINTERED,
     ),
     Material(
         "aluminium",
@@ -94,6 +143,7 @@ _MATERIALS = (
         276.0,
         2700.0,
         "6061-T6, Aluminum Association typical values: 68.9 GPa, 276 MPa, 2.70 g/cm³",
+        WROUGHT,
     ),
     Material(
         "steel",
@@ -102,9 +152,16 @@ _MATERIALS = (
         235.0,
         7850.0,
         "S235JR: EN 10025-2 table 7, up to 16 mm thick; EN 1993-1-1 §3.2.6; EN 1991-1-1 table A.4",
+        WROUGHT,
     ),
     Material(
-        "stainless", 200000.0, 0.30, 210.0, 7900.0, "1.4301 (AISI 304): EN 10088-1 and -2, EN 1993-1-4 §2.1.3"
+        "stainless",
+        200000.0,
+        0.30,
+        210.0,
+        7900.0,
+        "1.4301 (AISI 304): EN 10088-1 and -2, EN 1993-1-4 §2.1.3",
+        WROUGHT,
     ),
 )
 MATERIALS: dict[str, Material] = {material.name: material for material in _MATERIALS}

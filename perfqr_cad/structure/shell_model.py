@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import shapely
 from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.case import Case
@@ -16,17 +18,19 @@ from perfqr_cad.structure.elements.assembly import Flags, Structure, System
 from perfqr_cad.structure.elements.condensing import TiledStructure
 from perfqr_cad.structure.elements.mindlin_plate import Section
 from perfqr_cad.structure.elements.solvers import Factor
-from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Load, Pressure, Support, Weight
+from perfqr_cad.structure.loads import STANDARD_GRAVITY_MM_S2, Finger, Hold, Load, Pressure, Support, Weight
 from perfqr_cad.structure.material_table import Material
 from perfqr_cad.structure.measure import von_mises
-from perfqr_cad.structure.mesh.tiled_mesh import TiledMesh
+from perfqr_cad.structure.mesh.tiled_mesh import TileBlock, TiledMesh
 from perfqr_cad.structure.mesh.triangle import SIX_POINTS, SIX_WEIGHTS, Floats, Ints, Mesh
-from perfqr_cad.structure.supports import held_nodes
+from perfqr_cad.structure.supports import held_nodes, pins
+from perfqr_cad.structure.taper import webs
 from perfqr_cad.surface import Placement
 
 KAPPA = 1.0  # shear correction: see docs/strength.md; 5/6 misses the solid by 3-7 % on perforated plates
 KG_PER_MM3_PER_KG_M3 = 1e-9
 N_PER_KG_MM_S2 = 1e-3
+FACE, MIDDLE = np.array([1.0, 1, 1, 0, 0]), np.array([0.0, 0, 0, 1, 1])
 FINGER_SITES = 8  # a side: where the worst place of a finger is looked for
 FINGERS_COMPARED = 12  # by stress, of those that do most work: the worst was among the first 7 on two parts
 
@@ -88,12 +92,69 @@ class Model:
             return plate.stresses(self.mesh, displacement, self.section)
         return shell.stresses(self.positions, self.frames, self.mesh.elements, displacement, self.section)
 
+    def largest_at_centres(self, moved: Floats) -> Floats:
+        """The largest von Mises stress (k,) at any element's centre under displacements (n·d, k), to compare
+        loads by."""
+        local = moved.reshape(-1, self.system.dofs, moved.shape[1])[self.mesh.elements]
+        local = local.reshape(len(local), -1, moved.shape[1])
+        found = np.zeros(moved.shape[1])
+        for operator in self._centre_operators:
+            stress = np.matmul(operator, local).transpose(0, 2, 1)
+            for layer in (stress * FACE, stress * MIDDLE) if self.flat else (stress,):
+                found = np.maximum(found, von_mises(layer).max(axis=0))
+        return found
+
+    @cached_property
+    def _centre_operators(self) -> list[Floats]:
+        if self.flat:
+            return [plate.centre_operator(self.mesh, self.section)]
+        return shell.centre_operator(self.positions, self.frames, self.mesh.elements, self.section)
+
+    def share_inside(self, region: BaseGeometry) -> Floats:
+        """Which share (m,) of each element's area lies in a region of the pattern plane."""
+        left, low, right, high = region.bounds
+        reach = self.mesh.longest_edge_mm
+        x, y = self.centres.T
+        near = (x > left - reach) & (x < right + reach) & (y > low - reach) & (y < high + reach)
+        points = self.mesh.points(SIX_POINTS, near)
+        shapely.prepare(region)
+        inside = shapely.contains_xy(region, points[..., 0], points[..., 1])
+        share = np.zeros(len(near))
+        share[near] = (inside @ SIX_WEIGHTS) / SIX_WEIGHTS.sum()
+        return share
+
+    @cached_property
+    def centres(self) -> Floats:
+        """Centres (m, 2) of the elements in the pattern plane."""
+        return self.mesh.nodes[self.mesh.elements[:, :3]].mean(axis=1)
+
+    def nodal_areas(self, share: Floats) -> Floats:
+        """Area (n,) in mm² that belongs to each node, of elements that count with a share (m,)."""
+        if self.flat:
+            return plate.normal_load(self.mesh, share)[plate.W :: plate.DOFS]
+        upward = share[:, None] * np.array([0.0, 0.0, 1.0])
+        return shell.body_load(self.positions, self.mesh.elements, upward).reshape(-1, shell.DOFS)[:, 2]
+
+    @cached_property
+    def rigid_motions(self) -> Floats:
+        """Translations of the nodes as the part moves as a whole: (n, 3, 6), of a flat plate (n, 1, 3)."""
+        offset = self.positions - self.positions.mean(axis=0)
+        if self.flat:
+            x, y = np.einsum("nc,nac->an", offset, self.frames[:, :2])
+            return np.stack([np.ones_like(x), x, y], axis=1)[:, None]
+        unit = np.broadcast_to(np.eye(3), (len(offset), 3, 3))
+        turns = np.stack([np.cross(axis, offset) for axis in np.eye(3)], axis=2)
+        return np.concatenate([unit, turns], axis=2).astype(np.float64)
+
+    def moved(self, vector: Floats) -> Floats:
+        """What of a vector of unknowns or forces is translation: (n, 3), of a flat plate (n, 1)."""
+        return vector.reshape(-1, self.system.dofs)[:, : 1 if self.flat else 3]
+
     def alone(self, elements: Ints) -> Model:
         """Some elements cut loose from each other: six nodes to each, and a motion of one moves no other."""
         nodes = self.mesh.elements[elements].ravel()
-        thickness = np.broadcast_to(self.section.thickness_mm, len(self.mesh.elements))[elements]
         mesh = Mesh(self.mesh.nodes[nodes], np.arange(len(nodes)).reshape(-1, 6), len(nodes))
-        section = replace(self.section, thickness_mm=thickness)
+        section = self.section.of(elements)
         positions, frames = self.positions[nodes], self.frames[nodes]
         return replace(self, mesh=mesh, section=section, positions=positions, frames=frames)
 
@@ -117,33 +178,72 @@ def build_model(
     edge_mm: float,
     flat: bool,
     thicknesses_mm: tuple[float, ...] = (),
+    web_mm: float | None = None,
 ) -> Model:
     """Element matrices and supports of a meshed region on the middle surface of a placement.
 
-    `thicknesses_mm` are those of the classes of material, () for the wall's alone.
+    `thicknesses_mm` are those of the classes of material, () for the wall's alone; `web_mm` is the least web,
+    None for walls that do not flare.
     """
     mesh, wall = tiled.mesh, placement.thickness_mm
     of_class = np.array(thicknesses_mm or (wall,))
-    section = Section(of_class[tiled.classes], case.material.e_mpa, case.material.nu, KAPPA)
+    section = _section(mesh, domain, of_class[tiled.classes], case, web_mm)
     positions = placement.at_depth(mesh.nodes, 0.5 * wall)
     frames = placement.frame(mesh.nodes)
     dofs = plate.DOFS if flat else shell.DOFS
-    fixed = np.repeat(held_nodes(mesh, domain, case.support)[:, None], dofs, axis=1)
-    if case.support.hold.pinned:
-        fixed[:, plate.BX if flat else shell.ROTATIONS.start :] = False
+    if case.support.hold is Hold.FREE:
+        fixed = pins(positions, flat)
+    else:
+        fixed = np.repeat(held_nodes(mesh, domain, case.support)[:, None], dofs, axis=1)
+        if case.support.hold.pinned:
+            fixed[:, plate.BX if flat else shell.ROTATIONS.start :] = False
     system: Structure
     if flat:
+        blocks, rows = _alike(tiled, section)
         matrices = tuple(
-            plate.stiffness(tile_mesh.mesh, replace(section, thickness_mm=of_class[tile_mesh.classes]))
-            for tile_mesh in (block.tile_mesh for block in tiled.blocks)
+            plate.stiffness(block.tile_mesh.mesh, section.of(row))
+            for block, row in zip(blocks, rows, strict=True)
         )
-        system = TiledStructure(tiled.blocks, matrices, dofs, fixed.ravel())
+        system = TiledStructure(tuple(blocks), matrices, dofs, fixed.ravel())
     else:
         matrices = shell.stiffness(positions, frames, mesh.elements, section)
         system = System(mesh.elements, dofs, matrices, fixed.ravel())
     return Model(
         mesh, domain, wall, section, case.material, case.support, positions, frames, flat, system, edge_mm
     )
+
+
+def _section(mesh: Mesh, domain: Polygon, thickness_mm: Floats, case: Case, web_mm: float | None) -> Section:
+    """Thickness and what flaring walls leave of each element, by the width of its web in front."""
+    bending, area, stress = np.ones((3, len(thickness_mm)))
+    if case.flare_mm and web_mm is not None:
+        centres = mesh.nodes[mesh.elements[:, :3]].mean(axis=1)
+        for one in webs(domain, centres, web_mm, case.flare_mm):
+            bending[one.elements] = 1.0 / one.taper.deflection
+            area[one.elements] = one.taper.area
+            stress[one.elements] = one.taper.stress / one.taper.deflection
+        recessed = thickness_mm < thickness_mm.max()  # bars there do not flare
+        bending[recessed], area[recessed], stress[recessed] = 1.0, 1.0, 1.0
+    material = case.material
+    return Section(thickness_mm, material.e_mpa, material.nu, KAPPA, bending, area, stress)
+
+
+def _alike(tiled: TiledMesh, section: Section) -> tuple[list[TileBlock], list[Ints]]:
+    """Blocks of tiles whose elements have the same sections too, and the elements of one tile of each."""
+    blocks: list[TileBlock] = []
+    rows: list[Ints] = []
+    start = 0
+    for block in tiled.blocks:
+        tiles, each = len(block.nodes), len(block.tile_mesh.elements)
+        number = start + np.arange(tiles * each).reshape(tiles, each)
+        shares = np.asarray(section.bending_share)[number]
+        _, group = np.unique(shares, axis=0, return_inverse=True)
+        for one in range(int(group.max()) + 1):
+            alike = np.flatnonzero(group.reshape(-1) == one)
+            blocks.append(TileBlock(block.tile_mesh, block.nodes[alike]))
+            rows.append(number[alike[0]])
+        start += tiles * each
+    return blocks, rows
 
 
 def forces_of(model: Model, loads: tuple[Load, ...], factor: Factor) -> Floats:

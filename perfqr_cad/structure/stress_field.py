@@ -10,7 +10,6 @@ import numpy as np
 
 from perfqr_cad.structure.measure import Discs
 from perfqr_cad.structure.mesh.triangle import EDGES, Floats, Ints, Mesh
-from perfqr_cad.structure.taper import STRAIGHT, Taper
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,7 @@ class StressField:
     `max_stress_mpa` is the largest von Mises stress of the tensor averaged over a disc of
     `disc_width_mm`: the figure to compare with the yield stress. `sharp_peak_mpa` is the largest at any node
     without averaging; it grows with every refinement and is given as what not to use.
-    `taper` is the factor for walls that flare; stresses and displacements have it in them, as upper bounds.
+    `limit_mpa` is what is allowed of `yield_mpa`.
     `balance` is the unbalanced part of load and reactions over the load.
     """
 
@@ -40,16 +39,19 @@ class StressField:
     max_deflection_mm: float
     max_deflection_at_mm: tuple[float, float]
     yield_mpa: float
+    limit_mpa: float
     load_n: tuple[float, float, float]
     reactions_n: tuple[float, float, float]
     balance: float
     material: str
     support: str
+    e_mpa: float
+    nu: float
+    kappa: float
     thickness_mm: float
     edge_mm: float
     unknowns: int
     solver: str
-    taper: Taper = STRAIGHT
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -87,6 +89,11 @@ class StressField:
         return self.yield_mpa / self.max_stress_mpa if self.max_stress_mpa > 0.0 else math.inf
 
     @property
+    def use(self) -> float:
+        """The largest stress over what is allowed."""
+        return self.max_stress_mpa / self.limit_mpa
+
+    @property
     def strong(self) -> bool:
-        """Whether the largest stress stays within the yield stress."""
-        return self.max_stress_mpa <= self.yield_mpa
+        """Whether the largest stress stays within what is allowed."""
+        return self.max_stress_mpa <= self.limit_mpa

@@ -7,9 +7,11 @@ import shapely
 from shapely.geometry import Polygon
 
 from perfqr_cad.errors import AnalysisError
+from perfqr_cad.structure.elements import mindlin_plate as plate
+from perfqr_cad.structure.elements import mindlin_shell as shell
 from perfqr_cad.structure.elements.assembly import Flags
 from perfqr_cad.structure.loads import CORNER_PAD_FRACTION, Hold, Support
-from perfqr_cad.structure.mesh.triangle import Ints, Mesh
+from perfqr_cad.structure.mesh.triangle import Floats, Ints, Mesh
 
 LEAST_SIDE_SHARE = 0.1  # of its height: a part held along less of a side is held at points
 ON_HULL_FRACTION = 2e-3  # of the part's size: an outline this close to the convex hull lies on it
@@ -31,6 +33,29 @@ def held_nodes(mesh: Mesh, polygon: Polygon, support: Support) -> Flags:
         edges = _edges_on_sides(mesh, polygon, edges)
     held = np.zeros(len(mesh.nodes), bool)
     held[edges] = True
+    return held
+
+
+def pins(positions: Floats, flat: bool) -> Flags:
+    """Flags (n, d) that hold a free part against rigid motion and nothing else.
+
+    Three nodes far apart: of a flat plate their deflections; of a shell three directions of the first, two of
+    the second, one of the third. Loads that balance by themselves leave no force in them.
+    """
+    first = int(np.argmin(positions @ np.array([1.0, 1.0, 0.0])))
+    second = int(np.argmax(np.linalg.norm(positions - positions[first], axis=1)))
+    along = positions[second] - positions[first]
+    off = np.linalg.norm(np.cross(positions - positions[first], along), axis=1)
+    third = int(np.argmax(off))
+    if flat:
+        held = np.zeros((len(positions), plate.DOFS), bool)
+        held[[first, second, third], plate.W] = True
+        return held
+    held = np.zeros((len(positions), shell.DOFS), bool)
+    held[first, :3] = True
+    # The direction along the line that joins the first two is held already; the last turns about that line.
+    held[second, np.delete(np.arange(3), np.argmax(np.abs(along)))] = True
+    held[third, np.argmax(np.abs(np.cross(along, positions[third] - positions[first])))] = True
     return held
 
 

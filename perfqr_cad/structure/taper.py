@@ -5,7 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
 from perfqr_cad.errors import AnalysisError
+from perfqr_cad.structure.mesh.triangle import Floats, Ints
+
+# Widths of webs in front, over that of the web that loses most, at which they are told apart.
+STEPS = (0.8, 1.0, 1.15, 1.35, 1.7, 2.4, 4.0)
+WIDER = 1.05  # than the least web: what is no wider does not flare
+ROUNDING = 1e-3  # of a radius: a web as wide as a step counts as that wide
 
 
 @dataclass(frozen=True)
@@ -19,6 +29,7 @@ class Taper:
 
     stress: float = 1.0
     deflection: float = 1.0
+    area: float = 1.0
 
     @staticmethod
     def of(web_mm: float, flare_mm: float) -> Taper:
@@ -34,7 +45,43 @@ class Taper:
         a, b = web_mm + 2.0 * flare_mm, web_mm
         inertia = (a * a + 4.0 * a * b + b * b) / (36.0 * (a + b))  # of a unit thickness
         from_back = (2.0 * a + b) / (3.0 * (a + b))
-        return Taper(stress=from_back / inertia / (6.0 / a), deflection=a / 12.0 / inertia)
+        return Taper(
+            stress=from_back / inertia / (6.0 / a), deflection=a / 12.0 / inertia, area=(a + b) / (2.0 * a)
+        )
 
 
 STRAIGHT = Taper()
+
+
+@dataclass(frozen=True)
+class Webs:
+    """Webs of one range of widths in front, and what the taper of their walls adds at most."""
+
+    elements: Ints
+    taper: Taper
+
+
+def webs(region: Polygon, places: Floats, web_mm: float, flare_mm: float) -> list[Webs]:
+    """The elements whose centres are at some places (k, 2), by the width of the web that they lie in.
+
+    An edge of a hole is set back by the flare at most, and by less where a web would be narrower at the back
+    than `web_mm`: a web a wide in front is max(a - 2·flare, min(a, web)) wide there. Webs are told apart by
+    the widest of some discs in the region that hold a place. Few steps keep tiles of one pattern alike.
+    """
+    worst = web_mm + 2.0 * flare_mm
+    steps = [0.0, *(share * worst for share in STEPS if share * worst > WIDER * web_mm), math.inf]
+    steps.insert(1, WIDER * web_mm)
+    bins = np.zeros(len(places), np.int64)
+    for number, width in enumerate(steps[1:-1], start=1):
+        radius = 0.5 * (1.0 - ROUNDING) * width
+        opened = shapely.buffer(shapely.buffer(region, -radius, quad_segs=4), radius, quad_segs=4)
+        if opened.is_empty:
+            break
+        shapely.prepare(opened)
+        bins[shapely.contains_xy(opened, places[:, 0], places[:, 1])] = number
+    found: list[Webs] = []
+    for number in np.unique(bins).tolist():
+        front = min(max(steps[number], worst), steps[number + 1])
+        back = max(front - 2.0 * flare_mm, min(front, web_mm))
+        found.append(Webs(np.flatnonzero(bins == number), Taper.of(back, 0.5 * (front - back))))
+    return found

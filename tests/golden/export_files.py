@@ -42,7 +42,7 @@ def part() -> SimpleNamespace:
     )
     return SimpleNamespace(
         pattern=SimpleNamespace(region=region, bridges=(bridge,), spec=spec, size_mm=8.0),
-        placement=SimpleNamespace(is_flat=True, thickness_mm=THICKNESS_MM),
+        placement=SimpleNamespace(is_flat=True, is_turned=False, thickness_mm=THICKNESS_MM),
         solid=SimpleNamespace(
             name="golden plate",
             colour=(0.92, 0.92, 0.9),

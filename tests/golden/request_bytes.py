@@ -56,7 +56,7 @@ def requests(folder: Path) -> list[list[str]]:
             "--ground",
             "black",
         ],
-        ["LOADS", "--size", "50", "--own-weight", "--finger", "0.2", "--material", "PETG"],
+        ["LOADS", "--size", "50", "--load", "weight,fingertip=0.02", "--material", "PETG"],
         ["TILT", "--level", "L", "--size", "36", "--scan-tilt", "30"],
         ["A", "-t", "bottle", *small, "-D", "diameter=50", "-D", "thickness=1"],
         ["A", "-t", "sphere", *small, "-D", "diameter=56", "-D", "thickness=1"],

@@ -19,7 +19,7 @@ def _picture(dark: np.ndarray, scale: int, border: int, turns: int) -> np.ndarra
     return np.where(squares > 0, 0, 255).astype(np.uint8)
 
 
-@settings(max_examples=EXAMPLES, deadline=None, derandomize=True)
+@settings(max_examples=EXAMPLES, deadline=None)
 @given(
     text=texts,
     version=st.integers(5, 12),
@@ -39,7 +39,7 @@ def test_reads_what_was_drawn(
     assert found.recovery.symbol.mask == mask
 
 
-@settings(max_examples=EXAMPLES, deadline=None, derandomize=True)
+@settings(max_examples=EXAMPLES, deadline=None)
 @given(version=st.integers(2, 8), level=st.sampled_from(LEVELS), seed=st.integers(0, 2**32 - 1))
 def test_damage_up_to_capacity_is_counted_exactly(version: int, level: str, seed: int) -> None:
     """r wrong codewords in every block, each with random wrong bits."""

@@ -2,9 +2,10 @@
 
 import math
 
+import cv2
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from perfqr_cad.capture import Art
@@ -12,7 +13,7 @@ from perfqr_cad.pattern import PatternSpec, build
 from perfqr_cad.scan.decoding import decoders
 from perfqr_cad.symbol import Role, encode, layout
 
-slow = settings(max_examples=5, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+slow = settings(max_examples=5, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 TEXTS = st.text("abcdefghijklmnopqrstuvwxyz0123456789-/.", min_size=1, max_size=14)
 
 
@@ -27,10 +28,14 @@ def assert_sound(pattern):
 
 
 def picture(pattern, px=6):
-    """Grey picture of a pattern: material light, holes dark."""
-    u = pattern.canvas.lattice.per_module
-    solid = pattern.canvas.solid[:: max(1, u // px), :: max(1, u // px)]
-    return np.where(solid, 255, 0).astype(np.uint8)
+    """Grey picture of a pattern's front face: material light; holes, and the recessed bars in them, dark."""
+    scale, side = px / pattern.module_mm, round(px * pattern.size_mm / pattern.module_mm)
+    loops = [
+        np.round(side / 2 + scale * loop.flatten() * (1, -1)).astype(np.int32)
+        for region in pattern.front
+        for loop in region.loops
+    ]
+    return cv2.fillPoly(np.zeros((side, side), np.uint8), loops, 255)  # overlaps by the even-odd rule
 
 
 @slow
@@ -57,7 +62,7 @@ def test_random_halftones_lose_no_codeword(seed, light, version):
     roles = layout(version, "H").roles
     drawn = np.kron(np.isin(roles, (Role.DATA, Role.EC)), np.ones((3, 3), bool)) > 0
     art = np.where(drawn, art, np.kron(symbol.matrix.dark, np.ones((3, 3), bool)))
-    pattern = build(symbol, PatternSpec(time_limit_s=2), Art("halftone", 3, art))
+    pattern = build(symbol, PatternSpec(most_nodes=200), Art("halftone", 3, art))
     assert_sound(pattern)
     assert sum(pattern.readability.errors) == 0
 
@@ -70,8 +75,7 @@ def test_random_halftones_lose_no_codeword(seed, light, version):
     nozzle_mm=st.sampled_from([0.2, 0.4, 0.8]),
 )
 def test_all_looks_are_sound(style, tone, finder, nozzle_mm):
-    if tone == "inverted" and style in ("dots", "diamond", "bars"):
-        return
+    assume(tone == "normal" or style not in ("dots", "diamond", "bars"))
     symbol = encode("look", version=2, level="M")
     pattern = build(symbol, PatternSpec(style=style, tone=tone, finder=finder, nozzle_mm=nozzle_mm))
     assert_sound(pattern)

@@ -3,6 +3,7 @@
 import math
 import random
 import string
+from functools import lru_cache
 from typing import Any
 
 import pytest
@@ -32,16 +33,17 @@ def request_of(seed: int) -> dict[str, Any]:
         "draft_deg": draw.choice((0.0, 0.0, 8.0, 15.0)),
         "lip_mm": draw.choice((0.0, 0.4)),
         "support": draw.choice(("clamped", "simple", "two-sides", "corners")),
-        "pressure_mpa": draw.choice((5e-6, 1e-3, 1e-2)),
+        "pressure_mpa": draw.choice((0.0, 1e-3, 1e-2)),
         "material": draw.choice(("PLA", "PETG", "steel")),
         "seed": seed,
     }
 
 
-def attempt(settings: dict[str, Any]) -> Design | PerfQRError:
+@lru_cache
+def attempt(seed: int) -> Design | PerfQRError:
     """The design, or the error that the user is told."""
     try:
-        return make(**settings)
+        return make(**request_of(seed))
     except PerfQRError as error:
         return error
 
@@ -49,7 +51,7 @@ def attempt(settings: dict[str, Any]) -> Design | PerfQRError:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_random_request_gives_a_sound_part_or_one_line(seed: int) -> None:
     settings = request_of(seed)
-    design = attempt(settings)
+    design = attempt(seed)
     if isinstance(design, PerfQRError):
         assert len(str(design).splitlines()) == 1, settings
         return
@@ -61,3 +63,7 @@ def test_a_random_request_gives_a_sound_part_or_one_line(seed: int) -> None:
     assert math.isfinite(certificate["readability"]["loss"])
     assert certificate["structure"]["max_stress_mpa"] > 0
     assert design.scan.readers
+
+
+def test_half_of_them_are_made() -> None:
+    assert sum(isinstance(attempt(seed), Design) for seed in SEEDS) >= len(SEEDS) / 2

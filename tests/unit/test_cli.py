@@ -189,6 +189,12 @@ LONG = "n" * 300
         (("-D", "size=" + "-" * 5000 + "1"), "is no number"),
         (("--caption", "x" * 20_000), "limit 500"),
         (("--caption", "\u200b"), "of blanks alone"),
+        (("--caption", "a\u200bb", "--frame", "8"), "U+200B, zero width space: leave it out"),
+        (("--caption", "lab 日", "--frame", "8"), "has no shape for '日' (U+65E5)"),
+        (("--caption", "lab", "--frame", "8", "--font", "No Such Font"), "is not installed"),
+        (("--caption", "lab", "--frame", "8", "--font", "/dev/zero"), "is not installed"),
+        (("--caption", "lab", "--frame", "8", "--caption-place", "left"), "bottom"),
+        (("--caption", "lab"), "needs a frame"),
         (("-D", f"{LONG}=1"), "does not take"),
         (("-t", f"{LONG}.py"), "cannot read template"),
         (("-t", LONG), "no template"),
@@ -230,6 +236,15 @@ def test_outputs_are_refused_before_the_work(
     assert left_behind(tmp_path) == []
 
 
+def test_a_caption_of_two_lines_is_on_the_part_and_in_its_drawing(tmp_path: Path, run: Run) -> None:
+    words = ("--size", 40, "--frame", 10, "--caption", "Łódź © 5\nشقة $6", "--caption-place", "top")
+    code, out, err = run("make", "HELLO", *words, "-o", tmp_path / "part.svg", "--json")
+    assert code == 0, err
+    assert json.loads(out)["solid"]["valid"]
+    drawing = (tmp_path / "part.svg").read_text()
+    assert 'id="engrave"' in drawing
+
+
 def test_a_folder_that_is_missing_is_made(tmp_path: Path, run: Run) -> None:
     code, _, err = run("make", "HELLO", "--size", 40, "-o", tmp_path / "new" / "deeper" / "part.svg")
     assert (code, err) == (0, "")
@@ -252,10 +267,12 @@ def test_the_payload_is_the_text_letter_by_letter(text: str, door: str, tmp_path
 
 def test_every_door_reads_a_setting_alike(tmp_path: Path) -> None:
     sets = tmp_path / "sets.json"
-    sets.write_text(json.dumps({"parameterSets": {"s": {"size": "4e1", "own_weight": "true", "hole": "3"}}}))
-    by_option = asked("A", "--size", "4e1", "--own-weight", "--hole", "3")
+    sets.write_text(
+        json.dumps({"parameterSets": {"s": {"size": "4e1", "verify_solid": "true", "hole": "3"}}})
+    )
+    by_option = asked("A", "--size", "4e1", "--verify-solid", "--hole", "3")
     assert by_option["size"] == 40
-    assert by_option == asked("A", "-D", "size=4e1", "-D", "own_weight=true", "-D", "hole=3")
+    assert by_option == asked("A", "-D", "size=4e1", "-D", "verify_solid=true", "-D", "hole=3")
     assert by_option == asked("A", "-p", str(sets), "-P", "s")
 
 

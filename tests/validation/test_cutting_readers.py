@@ -17,7 +17,8 @@ import trimesh
 
 from perfqr_cad.capture import read
 from perfqr_cad.export import dxf
-from perfqr_cad.pattern import Arc, Bezier, Circle, PatternSpec, Region, build
+from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Region
+from perfqr_cad.pattern import PatternSpec, build
 from perfqr_cad.symbol import encode
 
 OPENSCAD = pytest.mark.skipif(not shutil.which("openscad"), reason="openscad is not installed")
@@ -57,7 +58,11 @@ def regions(tmp_path_factory) -> dict[str, Region]:
 
 
 def written(region: Region, path: Path, version: dxf.DxfVersion) -> Path:
-    design = SimpleNamespace(pattern=SimpleNamespace(region=region), solid=SimpleNamespace(letters=()))
+    design = SimpleNamespace(
+        pattern=SimpleNamespace(region=region),
+        placement=SimpleNamespace(is_turned=False),
+        solid=SimpleNamespace(letters=()),
+    )
     dxf.write(design, path, version=version)
     return path
 

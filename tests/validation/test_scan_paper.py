@@ -14,7 +14,7 @@ from perfqr_cad.pattern import PatternSpec, build
 from perfqr_cad.reproduce import stand_ins
 from perfqr_cad.reproduce.exhibits import handheld, rate
 from perfqr_cad.scan import FlatPrint, Look, Scene, printed
-from perfqr_cad.scan.camera.camera import drawn
+from perfqr_cad.scan.camera.preview import plate_scene
 
 EINSTEIN = next(row for row in stand_ins.TABLE_1 if row.name == "Einstein")
 VIEWS = 3
@@ -30,7 +30,7 @@ def captured(tmp_path_factory) -> Capture:
 @pytest.fixture(scope="module")
 def part(captured) -> Scene:
     spec = PatternSpec(size_mm=EINSTEIN.size_mm, finder="panel")
-    return drawn(build(captured.recovery.symbol, spec, captured.art), stand_ins.THICKNESS_MM)
+    return plate_scene(build(captured.recovery.symbol, spec, captured.art), stand_ins.THICKNESS_MM)
 
 
 @pytest.fixture(scope="module")

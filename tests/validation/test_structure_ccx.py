@@ -42,7 +42,9 @@ def wedges(model: Model) -> tuple[Floats, Floats]:
     front = model.positions + 0.5 * t * model.frames[:, 2]
     forces[2] = shell.normal_load(front, model.mesh.elements, -PRESSURE_MPA).reshape(count, -1)[:, :3]
     answer = factorise(system.lower()).solve(np.where(held, 0.0, forces.ravel()))
-    stress = stresses(model.positions, model.frames, model.mesh.elements, t, model.material, answer)
+    stress = stresses(
+        (model.positions, model.frames[:, 2]), model.frames, model.mesh.elements, t, model.material, answer
+    )
     return answer.reshape(LAYERS, count, 3), stress[:, :, 2]
 
 

@@ -56,7 +56,7 @@ def le10(n: int, layers: int) -> float:
     system = System(np.concatenate(elements), 3, np.concatenate(matrices), held.ravel())
     answer = factorise(system.lower()).solve(np.where(held, 0.0, forces).ravel())
     top = answer.reshape(levels, count, 3)[-3:].ravel()
-    stress = stresses(positions, frames, mesh.elements, thickness, STEEL, top)
+    stress = stresses((positions, frames[:, 2]), frames, mesh.elements, thickness, STEEL, top)
     d = int(np.argmin(np.hypot(u - 2, v)))
     return float(stress[mesh.elements[:, :3] == d][:, 2, 1].mean()) / -5.38
 

@@ -116,7 +116,7 @@ def _strength(design: DesignView, certificate: dict[str, Any]) -> str:
     loop = design.reinforcement
     if loop is None or not loop.bridges:
         return f"<h2>Strength</h2>\n{table}\n{_maps(design.stress, 'as made', (), {})}"
-    chart = markup.line_chart(loop.history, x_label="steps", y_label="stress, MPa", limit=loop.yield_mpa)
+    chart = markup.line_chart(loop.history, x_label="steps", y_label="stress, MPa", limit=loop.limit_mpa)
     caption = f"Largest stress as bridges were added ({len(loop.bridges)}); dashed: the yield stress"
     limits: dict[Quantity, float] = {
         "stress": max(loop.before.max_stress_mpa, design.stress.max_stress_mpa),

@@ -33,7 +33,7 @@ QUIET_PRICE = 8.0  # expected misread modules for a module's area of material in
 BAR_PRICE = 0.005  # expected misread modules that one bar less is worth: a twelfth of a module's area
 LENGTH_PRICE = 1e-3  # of the area price: of two routes that cost the same, the shorter
 LEAST_STEPS, MOST_STEPS = 4, 16  # of the brush along a module
-CONFLICT_ROUNDS = 6  # of the solver that share the time limit
+CONFLICT_ROUNDS = 6  # of the solver that share the limit of nodes
 MOST_CONFLICTS = 200  # then what was found is taken
 STAR_QUANTILE = 0.5  # of the tree's prices: no arm of a junction is dearer
 
@@ -44,7 +44,7 @@ def join(
     scale: int,
     web_mm: float,
     solid_is_dark: bool,
-    time_limit_s: float,
+    most_nodes: int,
     pieces: Labels | None = None,
 ) -> tuple[Canvas, Optimality | None]:
     """All islands joined at the least cost over the candidate routes, and the proof.
@@ -54,7 +54,7 @@ def join(
     labels = label(canvas.solid)[0] if pieces is None else pieces
     count = int(labels.max())
     if count <= 1:
-        return canvas, Optimality(0.0, 0.0, 0.0, 0.0)
+        return canvas, Optimality(0.0, 0.0, 0.0)
     lattice = canvas.lattice
     brush, step = lattice.whole(web_mm), brush_step(lattice.per_module, scale)
     canvas, labels, held = widened_to_grid(canvas, labels, count, brush, step)
@@ -70,7 +70,7 @@ def join(
     painted = _painted(canvas, routes, brush)
     damage = Damage.of(canvas, symbol, solid_is_dark)
     if damage.joint(painted, routes, chosen, links, brush):
-        routes, optimality = _least_loss(canvas, damage, pairs + routes, brush, time_limit_s)
+        routes, optimality = _least_loss(canvas, damage, pairs + routes, brush, most_nodes)
         painted = _painted(canvas, routes, brush)
     return painted, optimality
 
@@ -80,13 +80,13 @@ def _painted(canvas: Canvas, routes: Sequence[Route], brush: int) -> Canvas:
 
 
 def _least_loss(
-    canvas: Canvas, damage: Damage, candidates: Sequence[Route], brush: int, time_limit_s: float
+    canvas: Canvas, damage: Damage, candidates: Sequence[Route], brush: int, most_nodes: int
 ) -> tuple[list[Route], Optimality]:
     """The routes that lose the fewest codewords, where every choice by price alone loses some."""
     links = [Link(r.islands, r.price, damage.codewords(r.rectangles(brush))) for r in candidates]
     conflicts: list[Conflict] = []
     while True:
-        chosen, optimality = cheapest(links, conflicts, time_limit_s / CONFLICT_ROUNDS)
+        chosen, optimality = cheapest(links, conflicts, most_nodes // CONFLICT_ROUNDS)
         routes = [candidates[k] for k in chosen]
         more = damage.joint(_painted(canvas, routes, brush), routes, chosen, links, brush)
         conflicts += more

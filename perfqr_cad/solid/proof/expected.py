@@ -78,7 +78,7 @@ def _walls(lofts: Sequence[Loft], placement: Placement, origin: Array) -> float:
             for s, share in zip(*gauss(RULING_NODES, 1), strict=True):
                 at, along = (1 - s) * p0 + s * p1, (1 - s) * t0 + s * t1
                 flux = np.einsum("kqi,kqi->kq", at, np.cross(along, p1 - p0))
-                total += share * float(np.sum(flux * weight))
+                total += float(share * np.sum(flux * weight))
     return total
 
 

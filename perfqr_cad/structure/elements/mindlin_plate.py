@@ -10,17 +10,19 @@ reference triangle, so all element matrices come from one matrix product.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
 
 import numpy as np
 
 from perfqr_cad.structure.mesh.triangle import (
+    CENTRE,
     FROM_GAUSS_TO_CORNERS,
     THREE_POINTS,
     THREE_WEIGHTS,
     Floats,
+    Ints,
     Mesh,
     gradients,
     shapes,
@@ -32,22 +34,40 @@ W, BX, BY = range(DOFS)
 
 @dataclass(frozen=True)
 class Section:
-    """Thickness in mm, one or one for each element, modulus in MPa, Poisson's ratio, shear correction κ."""
+    """Thickness in mm, one or one for each element, modulus in MPa, Poisson's ratio, shear correction κ.
+
+    Webs whose walls flare have less material than their front shows, one figure or one for each element:
+    `bending_share` of its stiffness and `area_share` of its area are left, and its largest stress is
+    `stress_share` of what the remaining stiffness gives at half the thickness.
+    """
 
     thickness_mm: float | Floats
     e_mpa: float
     nu: float
     kappa: float
+    bending_share: float | Floats = 1.0
+    area_share: float | Floats = 1.0
+    stress_share: float | Floats = 1.0
+
+    def of(self, elements: Ints | slice) -> Section:
+        """That of some elements, for which every figure has one of its own."""
+        return replace(
+            self,
+            thickness_mm=np.asarray(self.thickness_mm)[elements],
+            bending_share=np.asarray(self.bending_share)[elements],
+            area_share=np.asarray(self.area_share)[elements],
+            stress_share=np.asarray(self.stress_share)[elements],
+        )
 
     @property
     def bending(self) -> float | Floats:
         """Plate stiffness D = E t³ / 12(1 - ν²) in N·mm."""
-        return self.e_mpa * self.thickness_mm**3 / (12.0 * (1.0 - self.nu**2))
+        return self.bending_share * self.e_mpa * self.thickness_mm**3 / (12.0 * (1.0 - self.nu**2))
 
     @property
     def shear(self) -> float | Floats:
         """Transverse shear stiffness κ G t in N/mm."""
-        return self.kappa * self.shear_mpa * self.thickness_mm
+        return self.area_share * self.kappa * self.shear_mpa * self.thickness_mm
 
     @property
     def shear_mpa(self) -> float:
@@ -134,6 +154,26 @@ def gauss_strains(mesh: Mesh, solution: Floats) -> Floats:
     )
 
 
+def centre_operator(mesh: Mesh, section: Section) -> Floats:
+    """Stress at the element centres per unknown of the element: (m, 5, 18), as the layers of `stresses` are.
+
+    Rows σxx, σyy, τxy of the face, then τxz, τyz of the middle.
+    """
+    slope = mesh.inverse_jacobian @ gradients(CENTRE)[0]
+    value = shapes(CENTRE)[0]
+    strain = np.zeros((len(slope), 5, 6, DOFS))
+    strain[:, 0, :, BX] = strain[:, 2, :, BY] = slope[:, 0]
+    strain[:, 1, :, BY] = strain[:, 2, :, BX] = slope[:, 1]
+    strain[:, 3, :, W], strain[:, 4, :, W] = slope[:, 0], slope[:, 1]
+    strain[:, 3, :, BX] = strain[:, 4, :, BY] = -value
+    thickness = np.broadcast_to(section.thickness_mm, len(slope))[:, None, None]
+    out = strain.reshape(len(slope), 5, -1)
+    share = np.broadcast_to(section.stress_share, len(slope))[:, None, None]
+    out[:, :3] = -0.5 * share * thickness * (section.plane_stress @ out[:, :3])
+    out[:, 3:] *= 1.5 * section.kappa * section.shear_mpa
+    return out
+
+
 def stresses(mesh: Mesh, solution: Floats, section: Section) -> Floats:
     """(σxx, σyy, τxy, τxz, τyz) in MPa at the corners of each element: (m, 3, 2, 5).
 
@@ -143,7 +183,7 @@ def stresses(mesh: Mesh, solution: Floats, section: Section) -> Floats:
     strain = gauss_strains(mesh, solution)
     out = np.zeros((len(strain), 3, 2, 5))
     # With γ = ∇w - β the displacement across the thickness is -zβ, hence the sign at the +z face.
-    thickness = np.broadcast_to(section.thickness_mm, len(strain))[:, None, None]
+    thickness = np.broadcast_to(section.stress_share * section.thickness_mm, len(strain))[:, None, None]
     face = -0.5 * thickness * strain[..., :3] @ section.plane_stress
     shear = 1.5 * section.kappa * section.shear_mpa * strain[..., 3:]
     out[:, :, 0, :3] = np.einsum("ng,mgc->mnc", FROM_GAUSS_TO_CORNERS, face)

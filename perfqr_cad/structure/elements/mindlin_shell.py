@@ -12,6 +12,7 @@ import numpy as np
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.elements.mindlin_plate import Section
 from perfqr_cad.structure.mesh.triangle import (
+    CENTRE,
     FROM_GAUSS_TO_CORNERS,
     SIX_POINTS,
     SIX_WEIGHTS,
@@ -51,6 +52,7 @@ def stiffness(positions: Floats, frames: Floats, elements: Ints, section: Sectio
             rows.append(drill * twist * np.sqrt(weight * area)[:, None, None])
         stacked = np.concatenate(rows, axis=1)
         np.matmul(stacked.transpose(0, 2, 1), stacked, out=out[part])
+    out *= np.broadcast_to(section.bending_share, len(elements))[:, None, None]
     return out
 
 
@@ -159,6 +161,20 @@ def _scatter(at_points: Floats, elements: Ints, nodes: int) -> Floats:
     return forces.ravel()
 
 
+def centre_operator(positions: Floats, frames: Floats, elements: Ints, section: Section) -> list[Floats]:
+    """Stress at the element centres per unknown of the element, (m, 5, 36) for the back and for the front."""
+    c = _elasticity(section)
+    thickness = np.broadcast_to(section.thickness_mm, len(elements))
+    x, n = positions[elements], frames[elements, 2]
+    axis = frames[elements, 0].mean(axis=1)
+    faces = []
+    for zeta in (-1.0, 1.0):
+        strain, _, _ = strain_matrix(x, n, CENTRE[0], zeta, thickness, axis)
+        strain[:, 3:] = 0.0  # faces carry no transverse shear
+        faces.append(np.broadcast_to(section.stress_share, len(elements))[:, None, None] * (c @ strain))
+    return faces
+
+
 def stresses(
     positions: Floats, frames: Floats, elements: Ints, displacement: Floats, section: Section
 ) -> Floats:
@@ -183,4 +199,5 @@ def stresses(
         at_gauss[:, :, 1, 3:] *= 1.5
         at_gauss[:, :, (0, 2), 3:] = 0.0
         out[part] = np.einsum("ng,mgla->mnla", FROM_GAUSS_TO_CORNERS, at_gauss)
+    out *= np.broadcast_to(section.stress_share, len(elements))[:, None, None, None]
     return out

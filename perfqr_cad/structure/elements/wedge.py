@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.material_table import Material
 from perfqr_cad.structure.mesh.triangle import (
     FROM_GAUSS_TO_CORNERS,
@@ -53,6 +54,9 @@ def stiffness(
         for point, weight in zip(SIX_POINTS, SIX_WEIGHTS, strict=True):
             for zeta, through in zip(_THROUGH_POINTS, _THROUGH_WEIGHTS, strict=True):
                 strain, volume = _strains(x, n, point, float(zeta), thickness_mm)
+                if not (volume > 0.0).all():
+                    at = ", ".join(f"{c:.1f}" for c in x[np.argmin(volume)].mean(axis=0))
+                    raise AnalysisError(f"a wedge turns over near ({at}) mm: take less draft")
                 rows.append(root @ strain * np.sqrt(weight * through * volume)[:, None, None])
         stacked = np.concatenate(rows, axis=1)
         np.matmul(stacked.transpose(0, 2, 1), stacked, out=out[part])
@@ -79,21 +83,25 @@ def _strains(x: Floats, n: Floats, point: Floats, zeta: float, thickness_mm: flo
 
 
 def stresses(
-    positions: Floats,
+    places: tuple[Floats, Floats],
     frames: Floats,
     triangles: Ints,
     thickness_mm: float,
     material: Material,
     displacement: Floats,
 ) -> Floats:
-    """(σ11, σ22, τ12, τ13, τ23) in surface axes at the element corners: (m, 3, 3, 5), back, middle, front."""
+    """(σ11, σ22, τ12, τ13, τ23) in surface axes at the element corners: (m, 3, 3, 5), back, middle, front.
+
+    `places` are the positions and normals (n, 3) that `stiffness` takes, `frames` the axes of the surface.
+    """
+    positions, normals = places
     c = elasticity(material)
     u = displacement.reshape(-1, DOFS)[layered(triangles, len(positions))].reshape(len(triangles), -1)
     axes = frames[triangles[:, 0]]
     at_gauss = np.empty((len(triangles), 3, LAYERS, 5))
     for start in range(0, len(triangles), _CHUNK):
         part = slice(start, start + _CHUNK)
-        x, n = positions[triangles[part]], frames[triangles[part], 2]
+        x, n = positions[triangles[part]], normals[triangles[part]]
         for g, point in enumerate(THREE_POINTS):
             for layer, zeta in enumerate((-1.0, 0.0, 1.0)):
                 strain, _ = _strains(x, n, point, zeta, thickness_mm)

@@ -23,6 +23,7 @@ NODES_REF: Floats = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0], [0.5, 0.5], [0, 
 # Symmetric rules on the triangle of area 1/2: Dunavant 1985, degrees 2 and 4.
 THREE_POINTS: Floats = np.array([[1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]])
 THREE_WEIGHTS: Floats = np.full(3, 1 / 6)
+CENTRE: Floats = np.full((1, 2), 1 / 3)
 _A, _B = 0.445948490915965, 0.091576213509771
 SIX_POINTS: Floats = np.array(
     [[_A, _A], [_A, 1 - 2 * _A], [1 - 2 * _A, _A], [_B, _B], [_B, 1 - 2 * _B], [1 - 2 * _B, _B]]

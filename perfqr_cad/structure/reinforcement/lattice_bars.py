@@ -37,7 +37,8 @@ def _across(
 ) -> tuple[Floats, Floats, Floats]:
     """Bars of one width along lattice lines, each across one hole; `walls`: the lines inside whole holes."""
     # A centre line inside the shrunken hole keeps the bar clear of the walls beside it.
-    shrunk = shapely.buffer(holes, -(width / 2 + pattern.spec.gap_mm), join_style="mitre")
+    # Large holes fall into pieces there.
+    shrunk = shapely.get_parts(shapely.buffer(holes, -(width / 2 + pattern.spec.gap_mm), join_style="mitre"))
     longest = LONGEST_MODULES * pattern.module_mm
     clear = [above for above, _ in _lattice_spans(pattern, shrunk)]
     ends = [

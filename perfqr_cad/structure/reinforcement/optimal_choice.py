@@ -20,7 +20,7 @@ from perfqr_cad.structure.mesh.triangle import Floats, Ints
 from perfqr_cad.structure.reinforcement.bar_candidates import Allowance, Budget, Candidates
 from perfqr_cad.structure.reinforcement.bar_stiffness import bar_tensors, couplings, places_under
 from perfqr_cad.structure.reinforcement.lattice_bars import lattice_candidates
-from perfqr_cad.structure.reinforcement.reanalysis import Reanalysis, Response, stress_operator
+from perfqr_cad.structure.reinforcement.reanalysis import Reanalysis, Response, Watch
 from perfqr_cad.structure.reinforcement.relief import TENSOR, Shortlist, greedy, power_mean, power_mean_slope
 
 if TYPE_CHECKING:
@@ -69,8 +69,9 @@ class _Offer:
 class OptimalChoice:
     """Chooses bridges by exact stress relief per decoding margin."""
 
-    def __init__(self, allowance: Allowance) -> None:
+    def __init__(self, allowance: Allowance, spends: bool = True) -> None:
         self._allowance = allowance
+        self._spends = spends  # codewords, once ties that cost none no longer help
         self._refused: set[Key] = set()
         self.removed = 0
 
@@ -85,6 +86,9 @@ class OptimalChoice:
         budget = Budget(pattern, self._allowance)
         offer = _Offer(bars, couplings(analysis.model, bars), _price(bars, pattern.module_mm))
         is_open = np.array([key not in self._refused for key in _keys(bars)])
+        is_free = bars.loss <= 0.0
+        costly = is_open & ~is_free if self._spends else np.zeros_like(is_free)
+        is_open &= is_free
         host = _host_flexibility(analysis, offer)
         added: list[Ints] = []
         stresses = [analysis.largest]
@@ -93,11 +97,15 @@ class OptimalChoice:
             kept = np.array([budget.spend(bars.turned[row]) for row in chosen], np.bool_)
             is_open[chosen[~kept]] = False
             if not len(chosen):
-                break
+                if not costly.any():
+                    break
+                is_open, costly = costly, np.zeros_like(costly)
+                continue
             if not kept.any():
                 continue
             for row in chosen[kept]:
-                is_open &= ~bars.in_the_way_of(row, gap)
+                clear = ~bars.in_the_way_of(row, gap)
+                is_open, costly = is_open & clear, costly & clear
             response = response.take(block(np.flatnonzero(kept), offer.modes))
             new = bars.take(chosen[kept])
             own = bar_tensors(analysis.model.section, analysis.model.wall_mm, new, offer.modes)
@@ -105,7 +113,9 @@ class OptimalChoice:
             added.append(chosen[kept])
             stresses.append(analysis.largest)
             if stresses[-1] > (1.0 - ROUND_GAIN) * stresses[-2]:
-                break
+                if not costly.any():
+                    break
+                is_open, costly = is_open | costly, np.zeros_like(costly)
         rounds = worth(stresses, aim)
         analysis.drop(offer.modes * sum(len(rows) for rows in added[rounds:]))
         rows = np.concatenate([np.zeros(0, np.int64), *added[:rounds]])
@@ -152,26 +162,28 @@ def _round(
     analysis: Reanalysis, offer: _Offer, is_open: Flags, host: Floats, aim_mpa: float, gap_mm: float
 ) -> tuple[Ints, Response]:
     """Rows of the bars worth adding together now, best first, and their response."""
-    critical, _ = analysis.critical_places
-    operator = stress_operator(analysis.model, analysis.discs, critical)
-    now = [(operator @ analysis.displacement).reshape(-1, TENSOR)]
+    watch = analysis.watch()
+    now, load = [watch.tensors(analysis.displacements)], [watch.load]
     if analysis.modes:
-        now.append(analysis.in_bars().reshape(-1, TENSOR))
-    short = _short_list(analysis, offer, _adjoint(analysis, operator, now), host, is_open, gap_mm)
+        in_bars = analysis.in_bars().reshape(analysis.loads, -1, TENSOR)
+        now.append(in_bars.reshape(-1, TENSOR))
+        load.append(np.repeat(np.arange(analysis.loads), in_bars.shape[1]))
+    short = _short_list(analysis, offer, _adjoint(analysis, watch, now), host, is_open, gap_mm)
     response = analysis.respond(offer.columns(short))
     if not len(short):
         return short, response
     bars, modes, count = offer.bars.take(short), offer.modes, len(short)
-    relief = [analysis.between(sp.csc_matrix(operator.T), response)]
+    relief = [analysis.between(sp.csc_matrix(watch.operator.T), response)]
     if analysis.modes:
-        relief.append(analysis.relief_in_bars(response))
-    under = np.repeat(bars.cover(analysis.model.mesh.nodes[critical]), len(now[0]) // len(critical), axis=0)
+        relief.append(np.tile(analysis.relief_in_bars(response), (analysis.loads, 1)))
+    under = bars.cover(watch.places_mm)
     tensors = np.concatenate(now)
     exact = Shortlist(
         now=tensors,
+        load=np.concatenate(load),
         relief=np.concatenate(relief).reshape(-1, count, modes),
         flexibility=analysis.between(response.coupling, response).reshape(count, modes, count, modes),
-        strain=(response.coupling.T @ analysis.displacement).reshape(count, modes),
+        strain=(response.coupling.T @ analysis.displacements).reshape(count, modes, -1),
         own=bar_tensors(analysis.model.section, analysis.model.wall_mm, bars, modes),
         under=np.pad(under, ((0, len(tensors) - len(under)), (0, 0))),
         clash=np.stack([bars.in_the_way_of(k, gap_mm) for k in range(count)]),
@@ -180,13 +192,15 @@ def _round(
     return short[chosen], response.take(block(chosen, modes))
 
 
-def _adjoint(analysis: Reanalysis, operator: sp.csr_matrix, now: Sequence[Floats]) -> Floats:
-    """The displacement (n,) whose work with any forces is what these take off the power mean, scaled."""
+def _adjoint(analysis: Reanalysis, watch: Watch, now: Sequence[Floats]) -> Floats:
+    """The displacements (n·d, loads) whose work with any forces is what these take off the power mean,
+    scaled."""
     slope = power_mean_slope(np.concatenate(now))
-    at_places = operator.T @ slope[: len(now[0])].ravel()
-    pull = analysis.solve(np.where(analysis.model.fixed, 0.0, at_places))
+    at_places = watch.pull(slope[: len(watch.load)])
+    at_places = np.pad(at_places, ((0, 0), (0, analysis.loads - at_places.shape[1])))
+    pull = analysis.solve(np.where(analysis.model.fixed[:, None], 0.0, at_places))
     if analysis.modes:
-        pull += analysis.pull_of_bars(slope[len(now[0]) :].reshape(analysis.in_bars().shape))
+        pull += analysis.pull_of_bars(slope[len(watch.load) :].reshape(analysis.in_bars().shape))
     return pull
 
 
@@ -194,10 +208,10 @@ def _short_list(
     analysis: Reanalysis, offer: _Offer, adjoint: Floats, host: Floats, is_open: Flags, gap_mm: float
 ) -> Ints:
     """Rows of the bars that promise most by first-order sensitivity per price, few in each other's way."""
-    strain = (offer.coupling.T @ analysis.displacement).reshape(-1, offer.modes)
-    wish = (offer.coupling.T @ adjoint).reshape(-1, offer.modes)
+    strain = (offer.coupling.T @ analysis.displacements).reshape(-1, offer.modes, analysis.loads)
+    wish = (offer.coupling.T @ adjoint).reshape(strain.shape)
     # A bar far stiffer than the part takes what the part yields, not what its own stiffness asks for.
-    gain = (strain * wish / (1.0 + host)).sum(axis=1) / offer.price
+    gain = ((strain * wish).sum(axis=2) / (1.0 + host)).sum(axis=1) / offer.price
     gain[~is_open] = 0.0
     rivals = np.zeros(len(gain), np.int64)
     short: list[int] = []
@@ -224,12 +238,11 @@ def _useful(analysis: Reanalysis, count: int) -> Flags:
     useful = np.ones(count, np.bool_)
     if count < 2:
         return useful
-    critical, _ = analysis.critical_places
-    seen = analysis.subset(stress_operator(analysis.model, analysis.discs, critical))
+    seen = analysis.subset(analysis.watch())
     modes = analysis.modes // count
 
     def stress(bars: Flags) -> float:
-        return float(power_mean(von_mises(seen(np.repeat(bars, modes)).reshape(-1, TENSOR))))
+        return float(power_mean(von_mises(seen(np.repeat(bars, modes)))))
 
     today = stress(useful)
     for k in range(count):

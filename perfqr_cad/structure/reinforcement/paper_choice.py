@@ -53,7 +53,7 @@ class PaperChoice:
             analysis.add(analysis.respond(coupling), own, places_under(analysis.model.mesh, bar))
             bridges.append(bridge)
             # Bars are judged by the next mesh.
-            stresses.append(float(analysis.critical_places[1].max(initial=0.0)))
+            stresses.append(analysis.largest_in_part)
             if stresses[-1] <= limit_mpa:
                 break
         return pattern, bridges, stresses
@@ -66,7 +66,8 @@ class PaperChoice:
     ) -> tuple[Pattern, Bridge, Candidates] | None:
         """The cheapest bridge that can be added from the most deformed contour point that has one."""
         mesh = analysis.model.mesh
-        moved = np.linalg.norm(analysis.model.translations(analysis.displacement), axis=1)
+        displacement = analysis.displacements[:, analysis.worst_load]
+        moved = np.linalg.norm(analysis.model.translations(displacement), axis=1)
         contour = np.unique(mesh.boundary)
         for start in _apart(mesh, contour[np.argsort(-moved[contour])], pattern.module_mm):
             found = self._cheapest_from(pattern, analysis, graph, contour, start)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.structure.measure import von_mises
-from perfqr_cad.structure.mesh.triangle import Floats
+from perfqr_cad.structure.mesh.triangle import Floats, Ints
 
 TENSOR = 5  # components of a stress tensor here
 NORM = 12  # exponent of the mean that stands for the largest stress
@@ -24,15 +24,16 @@ Flags = NDArray[np.bool_]
 class Shortlist:
     """Bars k of d modes each.
 
-    now          (r, 5) tensors at critical places
+    now          (r, 5) tensors at critical places, and load (r,) under which each is watched
     relief       (r·5, k, d) what a unit force of each mode takes off them
-    flexibility  (k, d, k, d), and strain (k, d): of the part under the modes
+    flexibility  (k, d, k, d), and strain (k, d, loads): of the part under the modes
     own          (k, e, 5, d) tensors in the bar itself
     under        (r, k) which places a bar covers
     clash        (k, k) which bars are in each other's way
     """
 
     now: Floats
+    load: Ints
     relief: Floats
     flexibility: Floats
     strain: Floats
@@ -41,45 +42,46 @@ class Shortlist:
     clash: Flags
 
     def with_each(self) -> Floats:
-        """Von Mises' stress (k, r + e) at the places and in the bar, with one bar added, for each of them."""
+        """Von Mises' stress (k, r + e·loads) at the places and in the bar, with one bar added, for each."""
         forces = self._forces()
-        rows, bars, modes = self.relief.shape
-        changed = self.relief.reshape(rows, bars * modes) * forces.ravel()
-        places = self.now - changed.reshape(rows, bars, modes).sum(axis=2).T.reshape(bars, -1, TENSOR)
+        under_load = np.repeat(np.moveaxis(forces, 2, 0)[self.load], TENSOR, axis=0)
+        changed = (self.relief * under_load).sum(axis=2)
+        places = self.now - changed.T.reshape(len(forces), -1, TENSOR)
         stress = np.where(self.under.T, 0.0, von_mises(places))
-        bar = von_mises(np.einsum("keam,km->kea", self.own, forces))
-        return np.concatenate([stress, bar], axis=1)
+        bar = von_mises(np.einsum("keam,kml->klea", self.own, forces))
+        return np.concatenate([stress, bar.reshape(len(bar), -1)], axis=1)
 
     def with_added(self, k: int) -> Shortlist:
         """The list with bar k added for good: its own stress joins the places."""
-        modes = self.strain.shape[1]
+        modes, loads = self.strain.shape[1:]
         inverse = np.linalg.inv(np.eye(modes) + self.flexibility[k, :, k, :])
         force = inverse @ self.strain[k]
         # Forces in bar k per unit force of each mode of the others.
         taken = np.einsum("ab,bjc->ajc", inverse, self.flexibility[k])
         own = self.own[k].reshape(-1, modes)
         relief = self.relief - np.tensordot(self.relief[:, k], taken, axes=1)
-        now = np.where(
-            self.under[:, k, None], 0.0, self.now - (self.relief[:, k] @ force).reshape(-1, TENSOR)
-        )
+        under_load = np.repeat(force.T[self.load], TENSOR, axis=0)
+        change = (self.relief[:, k] * under_load).sum(axis=1).reshape(-1, TENSOR)
+        now = np.where(self.under[:, k, None], 0.0, self.now - change)
         gone = np.repeat(self.under[:, k], TENSOR)
         relief[gone] = 0.0
-        ends = len(own) // TENSOR
+        ends = loads * len(own) // TENSOR
         return replace(
             self,
-            now=np.concatenate([now, (own @ force).reshape(-1, TENSOR)]),
-            relief=np.concatenate([relief, np.tensordot(own, taken, axes=1)]),
+            now=np.concatenate([now, (own @ force).T.reshape(-1, TENSOR)]),
+            load=np.concatenate([self.load, np.repeat(np.arange(loads), len(own) // TENSOR)]),
+            relief=np.concatenate([relief, np.tile(np.tensordot(own, taken, axes=1), (loads, 1, 1))]),
             flexibility=self.flexibility - np.tensordot(self.flexibility[:, :, k], taken, axes=1),
             strain=self.strain - np.tensordot(self.flexibility[:, :, k], force, axes=1),
             under=np.concatenate([self.under, np.zeros((ends, len(self.strain)), np.bool_)]),
         )
 
     def _forces(self) -> Floats:
-        """Mode forces (k, d) of each bar if it is added."""
-        bars, modes = self.strain.shape
+        """Mode forces (k, d, loads) of each bar if it is added."""
+        bars, modes, _ = self.strain.shape
         each = np.arange(bars)
         stiff = np.eye(modes) + self.flexibility[each, :, each, :]
-        forces: Floats = np.matmul(np.linalg.inv(stiff), self.strain[:, :, None])[:, :, 0]
+        forces: Floats = np.matmul(np.linalg.inv(stiff), self.strain)
         return forces
 
 

@@ -48,21 +48,21 @@ def test_blocks_find_the_optimum_and_prove_it(seed):
 @pytest.mark.parametrize("seed", range(4))
 def test_a_codeword_is_paid_once_however_many_links_lose_it(seed):
     pairs, _ = random_links(seed, islands=5, losing=8)
-    chosen, proof = cheapest(pairs, (), 10.0)
+    chosen, proof = cheapest(pairs, (), 1000)
     assert proof.objective == pytest.approx(least_cost(pairs, (), 5))
     assert proof.objective == pytest.approx(cost(pairs, (), chosen))
 
 
 def test_a_conflict_is_avoided_when_another_way_costs_less():
     links = [Link((0, 1), 1.0), Link((1, 2), 1.0), Link((0, 2), 1.5)]
-    chosen, _ = cheapest(links, [Conflict((0, 1), frozenset({7}))], 10.0)
+    chosen, _ = cheapest(links, [Conflict((0, 1), frozenset({7}))], 1000)
     assert sorted(chosen) in ([0, 2], [1, 2])
 
 
-def test_without_time_the_tree_is_returned_with_an_honest_gap():
+def test_without_search_the_tree_is_returned_with_an_honest_gap():
     pairs, trios = random_links(1)
     links = [*pairs, *trios]
-    chosen, proof = cheapest(links, (), 0.0)
+    chosen, proof = cheapest(links, (), 0)
     assert chosen == kruskal(links)
     assert proof.bound == 0
     assert proof.gap == 1
@@ -74,7 +74,7 @@ def test_many_junctions_agree_with_the_integer_programme(seed):
     pairs = [Link((k, k + 1), float(rng.uniform(1, 1.2))) for k in range(39)]
     trios = [Link((k, k + 1, k + 2), float(rng.uniform(1.7, 2.2))) for k in range(38)]
     chosen, proof = cheapest_without_loss(pairs, trios)
-    _, expected = cheapest([*pairs, *trios], (), 20.0)
+    _, expected = cheapest([*pairs, *trios], (), 2000)
     assert joined([*pairs, *trios], chosen, 40)
     assert proof.gap == expected.gap == 0
     assert proof.objective == pytest.approx(expected.objective)

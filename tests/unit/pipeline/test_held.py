@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from perfqr_cad import make
-from perfqr_cad.errors import DesignError, NotHeldError
+from perfqr_cad.errors import DesignError, NotHeldError, UnreadError, WeakError
 from perfqr_cad.pipeline import chain
 from perfqr_cad.pipeline.design import Design
 from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
@@ -63,12 +63,17 @@ def test_a_decoder_that_is_not_here_is_named() -> None:
 
 
 def test_a_load_that_was_asked_for_must_be_borne(design: Design) -> None:
-    weak = replace(design.reinforcement, status="weak: no affordable bridge is left")
-    require_borne(Request("a"), weak)  # a default that is not held is told, not refused
-    require_borne(Request("a", finger_n=5.0), design.reinforcement)
-    with pytest.raises(NotHeldError, match=r"weak under finger_n=5: .* MPa of 50 \(--accept-weak"):
-        require_borne(Request("a", finger_n=5.0), weak)
-    require_borne(Request("a", finger_n=5.0, accept_weak=True), weak)
+    kinds = {one.load.name: one for one in design.reinforcement.capacities}
+    weak = replace(kinds["fingertip"], bears_n=3.0, asked_n=5.0)
+    strong = replace(kinds["push"], bears_n=3.0, asked_n=2.0)
+    found = replace(design.reinforcement, capacities=(weak, strong))
+    require_borne(Request("a"), found)  # a default that is not held is told, not refused
+    require_borne(Request("a", load="push"), found)
+    with pytest.raises(
+        NotHeldError, match=r"weak: bears 3 N by a fingertip .*, asked 5 N, .* \(--accept-weak"
+    ):
+        require_borne(Request("a", load="fingertip=5"), found)
+    require_borne(Request("a", load="fingertip=5", accept_weak=True), found)
 
 
 def test_the_remedy_is_the_first_that_works() -> None:
@@ -77,19 +82,21 @@ def test_the_remedy_is_the_first_that_works() -> None:
     def only_thick(request: Request) -> None:
         made.append(request)
         if request.thickness_mm < 3:
-            raise NotHeldError("weak still")
+            raise WeakError("weak still")
 
-    told = advised(NotHeldError("weak"), Request("a", size_mm=40.0), only_thick)
-    assert str(told) == "weak: use --thickness 3.2, which was tried"
-    assert made[-1] == Request("a", size_mm=40.0, thickness_mm=3.2)
+    told = advised(WeakError("weak"), Request("a", size_mm=40.0), only_thick)
+    assert isinstance(told, WeakError)
+    assert f"weak: use --bars 2 --bar-height {made[-1].bar_height_mm:g} --thickness" in str(told)
+    assert str(told).endswith("which was tried")
+    assert made[-1].thickness_mm >= 3
 
 
 def test_a_change_that_does_not_help_is_not_called_a_remedy() -> None:
     def never(_: Request) -> None:
         raise DesignError("never")
 
-    told = str(advised(NotHeldError("black before black"), Request("a", colour="black"), never))
-    assert "tried without success: no --colour and --ground of your own; " in told
+    told = str(advised(UnreadError("black before black"), Request("a", colour="black"), never))
+    assert "tried without success: no --colour and --ground of your own" in told
 
 
 def test_the_chain_looks_for_a_remedy_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -98,7 +105,7 @@ def test_the_chain_looks_for_a_remedy_once(monkeypatch: pytest.MonkeyPatch) -> N
     def once(request: Request, target: object) -> str:
         asked.append(request)
         if request.thickness_mm > 1.3:
-            raise NotHeldError("unread")
+            raise UnreadError("unread")
         return "design"
 
     monkeypatch.setattr(chain, "_once", once)

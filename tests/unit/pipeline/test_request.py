@@ -14,6 +14,7 @@ from perfqr_cad.pipeline.parameter import Parameter
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import DRAFT_DEG, LIP_MM, Terms, resolve
 from perfqr_cad.pipeline.setting import GROUPS, UNITS
+from perfqr_cad.profile.caption import Place
 from perfqr_cad.scan import FULL, QUICK
 from perfqr_cad.scan.colours import BACKGROUNDS, FILAMENTS
 from perfqr_cad.structure.loads import Hold
@@ -77,8 +78,10 @@ def test_the_choices_are_those_that_the_layers_know() -> None:
     assert set(by_name.pop("level")) == set(get_args(Level))
     assert by_name.pop("material") == list(MATERIALS)
     assert set(by_name.pop("support")) == {hold.value for hold in Hold}
+    assert by_name.pop("caption_place") == list(get_args(Place))
     assert by_name.pop("dxf") == list(get_args(DxfVersion))
     assert by_name.pop("svg") == list(get_args(SvgVariant))
+    assert by_name.pop("caption_place") == list(get_args(Place))
     assert by_name == {"method": ["optimal", "paper"]}
 
 
@@ -111,7 +114,7 @@ def test_help_lists_every_setting_with_range_and_unit() -> None:
         ({"size_mm": 10**400}, "is not a finite number"),
         ({"size_mm": 10**5000}, "is not a finite number"),
         ({"size_mm": "wide"}, "size_mm='wide' is no number: give 1 to 10000 mm"),
-        ({"own_weight": 3}, "is neither true nor false"),
+        ({"verify_solid": 3}, "is neither true nor false"),
         ({"style": "stars"}, "is not one of square, rounded"),
         ({"text": 3}, "text=3 is no text"),
         ({"text": ""}, "the text is empty"),
@@ -140,6 +143,15 @@ def test_a_caption_takes_half_of_its_frame() -> None:
     assert caption is not None
     assert (caption.text, caption.height_mm, caption.relief_mm) == ("SN 42", 4, 0.4)
     assert terms().caption is None
+
+
+def test_a_caption_of_several_lines_takes_what_fits() -> None:
+    caption = terms(
+        frame_mm=8, caption="SSID: lab\nPass: 12", caption_place="top", font="STIXGeneral"
+    ).caption
+    assert caption is not None
+    assert (caption.place, caption.font) == ("top", "STIXGeneral")
+    assert caption.height_mm * caption.extent.height == pytest.approx(8 - 0.8)  # a web of two nozzle lines
 
 
 def test_a_caption_without_a_frame_is_refused() -> None:

@@ -1,32 +1,39 @@
-"""Text on the frame: raised and engraved, exact on plates and on curved walls."""
+# pyright: reportAttributeAccessIssue=false
+"""Text on the frame: raised and engraved, exact on plates and on curved walls; remedies that hold."""
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from OCP.BRepCheck import BRepCheck_Analyzer
 
 from perfqr_cad.errors import DesignError
-from perfqr_cad.pattern import Pattern, PatternSpec, Surround
+from perfqr_cad.pattern import Hole, Pattern, PatternSpec, Surround
 from perfqr_cad.pattern import build as build_pattern
 from perfqr_cad.profile import Caption, Walls
+from perfqr_cad.profile.caption import fitting_height_mm
 from perfqr_cad.solid import build
 from perfqr_cad.surface import Cylinder, Placement, Plane
 from perfqr_cad.symbol import encode
 
 PLACEMENTS: dict[str, Placement] = {"plane": Plane(2.0), "cylinder": Cylinder(40.0, 2.0)}
+SPEC = PatternSpec(surround=Surround(6.0, 3.0, corner_hole_mm=2.0), finder="recessed")
 
 
 @pytest.fixture(scope="module")
 def pattern() -> Pattern:
-    spec = PatternSpec(surround=Surround(6.0, 3.0, corner_hole_mm=2.0), finder="recessed")
-    return build_pattern(encode("HELLO", version=1), spec)
+    return build_pattern(encode("HELLO", version=1), SPEC)
 
 
 @pytest.mark.parametrize("relief", [0.5, -0.5])
 @pytest.mark.parametrize("name", PLACEMENTS)
-def test_letters_are_exact(pattern: Pattern, name: str, relief: float) -> None:
-    """Counters, dots over letters, and a letter within a letter."""
-    caption = Caption("B8 @iä", 3.0, relief)
+@pytest.mark.parametrize("text", ["B8 @iä", "ę® ợ", "مرحبا"])
+def test_letters_are_exact(pattern: Pattern, name: str, relief: float, text: str) -> None:
+    """Counters, dots over letters, letters within letters, and letters whose contours cross."""
+    caption = Caption(text, 3.0, relief)
     solid = build(pattern, PLACEMENTS[name], caption=caption)
     assert solid.problems == ()
     assert solid.solids == 1
@@ -39,11 +46,27 @@ def test_letters_are_exact(pattern: Pattern, name: str, relief: float) -> None:
         assert solid.bbox_mm[1][2] == pytest.approx(2.0 + max(relief, 0.0))
 
 
-def test_letters_lie_on_the_frame_below_the_code(pattern: Pattern) -> None:
-    letters = Caption("gap", 3.0).below(pattern, 2.0)
-    low = min(letter.outer.flatten()[:, 1].min() for letter in letters)
-    high = max(letter.outer.flatten()[:, 1].max() for letter in letters)
-    assert -pattern.extent_mm / 2 < low < high < -pattern.size_mm / 2
+@pytest.mark.parametrize(("place", "side"), [("bottom", -1), ("top", 1)])
+@pytest.mark.parametrize("text", ["gap", "SSID: lab\nPass: 12"])
+def test_letters_lie_in_the_middle_of_their_strip(place: str, side: int, text: str) -> None:
+    spec = PatternSpec(surround=Surround(8.0), size_mm=40.0)
+    pattern = build_pattern(encode("HELLO", version=1), spec)
+    caption = Caption(text, 2.5, -0.3, place=place)  # pyright: ignore[reportArgumentType]
+    letters = caption.placed(pattern, 2.0)
+    corners = np.vstack([letter.outer.flatten() for letter in letters])
+    inner, outer = sorted(np.abs([corners[:, 1].min(), corners[:, 1].max()]))
+    assert np.all(side * corners[:, 1] > 0)
+    # As far from the code as from the web along the edge.
+    assert inner - pattern.size_mm / 2 == pytest.approx(pattern.extent_mm / 2 - spec.web_mm - outer, abs=1e-3)
+    assert inner > pattern.size_mm / 2
+
+
+def test_a_part_knows_its_letters(pattern: Pattern) -> None:
+    """For formats that draw them."""
+    caption = Caption("A", 3.0, -0.3)
+    solid = build(pattern, Plane(2.0), caption=caption)
+    assert (solid.letters, solid.relief_mm) == (caption.placed(pattern, 2.0), -0.3)
+    assert build(pattern, Plane(2.0)).letters == ()
 
 
 def test_capitals_have_the_height_that_is_asked_for() -> None:
@@ -52,29 +75,128 @@ def test_capitals_have_the_height_that_is_asked_for() -> None:
     assert y.max() - y.min() == pytest.approx(5.0)
 
 
+def test_lines_get_the_height_that_fits_unless_one_is_asked_for() -> None:
+    assert fitting_height_mm("SN 42", None, 8.0, 0.8) == 4.0
+    lower = fitting_height_mm("SN 42\nLot 7", None, 8.0, 0.8)
+    assert 2.0 < lower < 3.0
+    tall = PatternSpec(surround=Surround(8.0), size_mm=60.0)
+    pattern = build_pattern(encode("HELLO", version=1), tall)
+    assert len(Caption("SN 42\nLot 7", lower).placed(pattern, 2.0)) == 8
+    with pytest.raises(DesignError, match="do not fit a frame"):
+        Caption("SN 42\nLot 7", lower + 0.01).placed(pattern, 2.0)
+
+
 def test_pockets_do_not_close_mounting_holes(pattern: Pattern) -> None:
     solid = build(pattern, Plane(2.0), Walls(depth_mm=1.0), caption=Caption("O", 3.0, -0.5))
     assert solid.problems == ()  # among them the count of through-holes: the four in the corners
     assert solid.triangles.closed
 
 
+WIDE = Caption("far too much text for it", 3.0)
+REFUSALS = {
+    "too wide": (WIDE, SPEC, 2.0, "take --caption-height .*, --size .*, or a shorter text"),
+    "far too wide": (replace(WIDE, text=20 * "long "), SPEC, 2.0, "take --size .*, or a shorter text"),
+    "too high": (
+        Caption("Tall", 12.0),
+        SPEC,
+        2.0,
+        "do not fit a frame .* take --frame .* or --caption-height ",
+    ),
+    "too high by little": (
+        Caption("gjpqy", 8.0),
+        replace(SPEC, surround=Surround(4.0)),
+        2.0,
+        "take --frame 11.43",
+    ),
+    "lines too high": (Caption("a\nb\nc", 3.0), SPEC, 2.0, "take --frame"),
+    "no strip": (Caption("a", 3.0), replace(SPEC, surround=Surround(0.5)), 2.0, "take --frame"),
+    "too deep": (Caption("Deep", 3.0, -1.8), SPEC, 2.0, r"engrave 1\.6 mm at most, or take --thickness 2\.2"),
+    "engraved in a foil": (Caption("Hi", 3.0, -0.4), SPEC, 0.3, r"0\.3 mm: take --thickness 0\.8"),
+    "too fine": (
+        Caption("Hi", 1.0),
+        SPEC,
+        2.0,
+        "narrower than half a nozzle line .* take --caption-height ",
+    ),
+    "counters too fine": (
+        Caption("8", 0.9, -0.4, "STIXGeneral"),
+        SPEC,
+        2.0,
+        "narrower than half a nozzle line",
+    ),
+    "too fine for the frame": (
+        Caption("gjpqy", 1.2),
+        replace(SPEC, nozzle_mm=0.6, surround=Surround(3.0)),
+        2.0,
+        "take --caption-height .* and --frame",
+    ),
+    "on a hole": (
+        Caption("centred", 3.0),
+        PatternSpec(size_mm=40.0, surround=Surround(6.0, holes=(Hole(0.0, -22.8, 2.0),))),
+        2.0,
+        "take --caption-place top, or a shorter text",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSALS)
+def test_each_remedy_of_a_refusal_holds(case: str) -> None:
+    """One alone, or two that are joined by "and"; afterwards nothing, or another limit, is in the way."""
+    caption, spec, thickness_mm, reason = REFUSALS[case]
+    symbol = encode("HELLO", version=1)
+    with pytest.raises(DesignError, match=reason) as refusal:
+        caption.placed(build_pattern(symbol, spec), thickness_mm)
+    message = str(refusal.value)
+    assert len(message.splitlines()) == 1
+    remedies = re.findall(r"(--[\w-]+ (?:top|[\d.]+\d)|engrave [\d.]+)(?: and (--frame [\d.]+))?", message)
+    assert remedies
+    for parts in remedies:
+        after = caption, spec, thickness_mm
+        for part in filter(None, parts):
+            after = remedied(*after, part)
+        caption_after, spec_after, thickness_after = after
+        assert caption_after.placed(build_pattern(symbol, spec_after), thickness_after)
+
+
+def remedied(caption: Caption, spec: PatternSpec, thickness_mm: float, remedy: str):
+    name, value = remedy.split()
+    match name:
+        case "--frame":
+            return (
+                caption,
+                replace(spec, surround=replace(spec.surround, frame_mm=float(value))),
+                thickness_mm,
+            )
+        case "--caption-height":
+            return replace(caption, height_mm=float(value)), spec, thickness_mm
+        case "--caption-place":
+            return replace(caption, place=value), spec, thickness_mm
+        case "--size":
+            return caption, replace(spec, size_mm=float(value)), thickness_mm
+        case "--thickness":
+            return caption, spec, float(value)
+        case "engrave":
+            return replace(caption, relief_mm=-float(value)), spec, thickness_mm
+    raise AssertionError(remedy)
+
+
+def test_raised_letters_need_no_floor(pattern: Pattern) -> None:
+    assert Caption("Hi", 3.0).placed(pattern, 0.3)
+
+
 @pytest.mark.parametrize(
-    ("caption", "reason"),
+    ("wrong", "reason"),
     [
-        (Caption("far too much text for it", 3.0), "shorter text"),
-        (Caption("Tall", 12.0), "do not fit a frame"),
-        (Caption("Deep", 3.0, -1.8), "engrave 1.6 mm at most"),
-        (Caption("Font", 3.0, font="No Such Font"), "not installed"),
+        (("", 3.0, 0.5), "draws nothing"),
+        (("a", 0.0, 0.5), "height above 0"),
+        (("a", 3.0, 0.0), "above 0 letters are raised"),
+        (("a", float("nan"), 0.5), "height above 0"),
+        (("a", 3.0, 0.5, "No Such Font"), "not installed"),
+        (("日", 3.0), "no shape for '日'"),
+        (("a", 3.0, 0.5, None, "left"), "'left' is not one of bottom, top"),
+        (("x" * 20_000, 3.0), r"segments in all \(limit 100000\): take a plainer --font or a shorter text"),
     ],
 )
-def test_captions_that_do_not_fit_are_refused(pattern: Pattern, caption: Caption, reason: str) -> None:
+def test_absurd_captions_are_refused_at_once(wrong: tuple[str, float], reason: str) -> None:
     with pytest.raises(DesignError, match=reason):
-        build(pattern, Plane(2.0), caption=caption)
-
-
-@pytest.mark.parametrize(
-    "wrong", [("", 3.0, 0.5), ("two\nlines", 3.0, 0.5), ("a", 0.0, 0.5), ("a", 3.0, 0.0)]
-)
-def test_absurd_captions_are_refused(wrong: tuple[str, float, float]) -> None:
-    with pytest.raises(DesignError):
         Caption(*wrong)

@@ -4,9 +4,11 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from shapely.geometry import Point, Polygon
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.pattern import Pattern, PatternSpec, build
+from perfqr_cad.pattern.choice import easiest_mask
 from perfqr_cad.structure import Case, Part, Pressure, Reinforcement, reinforce
 from perfqr_cad.structure.analysis import prepare
 from perfqr_cad.structure.elements import mindlin_plate as plate
@@ -58,7 +60,7 @@ def optimal(limit: float) -> Reinforcement:
 
 
 def test_candidates_cross_one_hole_from_light_to_light() -> None:
-    from shapely.geometry import LineString, Point
+    from shapely.geometry import LineString
 
     region = pattern().polygon
     assert len(bars()) > 20
@@ -135,7 +137,7 @@ def test_low_rank_update_is_the_direct_solution(
     for part in (coupling[:, : coupling.shape[1] // 3], coupling[:, coupling.shape[1] // 3 :]):
         analysis.add(analysis.respond(part), own(model, some, part), np.zeros(0, np.int64))
     exact = direct.solve(forces)
-    assert analysis.displacement == pytest.approx(exact, abs=1e-8 * np.abs(exact).max())
+    assert analysis.displacements[:, 0] == pytest.approx(exact, abs=1e-8 * np.abs(exact).max())
 
 
 def own(model: Model, bars: Candidates, part: sp.csc_matrix) -> Floats:
@@ -148,15 +150,16 @@ def test_a_list_of_bars_foretells_what_laying_them_does() -> None:
     model = analysis.model
     some = bars().take(np.arange(0, len(bars()), len(bars()) // 4)[:4])
     coupling = couplings(model, some)
-    hot = analysis.critical_places[0][:30]
+    hot = analysis.critical_places[0][0][:30]
     operator = stress_operator(model, analysis.discs, hot)
     response = analysis.respond(coupling)
     tensors = bar_tensors(model.section, model.wall_mm, some, 3)
     listed = Shortlist(
-        now=(operator @ analysis.displacement).reshape(-1, TENSOR),
+        now=(operator @ analysis.displacements).reshape(-1, TENSOR),
+        load=np.zeros(operator.shape[0] // TENSOR, np.int64),
         relief=analysis.between(sp.csc_matrix(operator.T), response).reshape(-1, 4, 3),
         flexibility=analysis.between(coupling, response).reshape(4, 3, 4, 3),
-        strain=(coupling.T @ analysis.displacement).reshape(4, 3),
+        strain=(coupling.T @ analysis.displacements).reshape(4, 3, 1),
         own=tensors,
         under=np.zeros((operator.shape[0] // TENSOR, 4), bool),
         clash=np.eye(4, dtype=bool),
@@ -164,17 +167,18 @@ def test_a_list_of_bars_foretells_what_laying_them_does() -> None:
     foretold = listed.with_added(2).with_each()[0]
     for k in (2, 0):
         analysis.add(response.take(3 * k + np.arange(3)), tensors[[k]], np.zeros(0, np.int64))
-    places = von_mises((operator @ analysis.displacement).reshape(-1, TENSOR))
-    in_bars = von_mises(analysis.in_bars())
+    places = von_mises((operator @ analysis.displacements).reshape(-1, TENSOR))
+    in_bars = von_mises(analysis.in_bars()[0])
     assert foretold == pytest.approx(np.concatenate([places, *in_bars]), rel=1e-6)
 
 
 def test_the_greedy_choice_weighs_relief_against_price_and_leaves_out_what_clashes() -> None:
     bars = Shortlist(
         now=np.array([[10.0, 0, 0, 0, 0]]),
+        load=np.zeros(1, np.int64),
         relief=np.array([[1.0, 0.5], [0, 0], [0, 0], [0, 0], [0, 0]])[:, :, None],
         flexibility=np.eye(2).reshape(2, 1, 2, 1),
-        strain=np.full((2, 1), 4.0),  # a force of 2 in each: they take off 2 and 1 MPa
+        strain=np.full((2, 1, 1), 4.0),  # a force of 2 in each: they take off 2 and 1 MPa
         own=np.zeros((2, 1, TENSOR, 1)),
         under=np.zeros((1, 2), bool),
         clash=np.eye(2, dtype=bool),
@@ -190,7 +194,7 @@ def test_response_of_bars_is_the_same_on_seams_as_everywhere() -> None:
     analysis = begin(lattice=lattice_of(pattern()))
     model = analysis.model
     coupling = couplings(model, bars().take(np.arange(0, len(bars()), 7)))
-    operator = stress_operator(model, analysis.discs, analysis.critical_places[0][:20])
+    operator = stress_operator(model, analysis.discs, analysis.critical_places[0][0][:20])
     whole = model.factorise().solve(coupling.toarray())
     found = analysis.between(sp.csc_matrix(operator.T), analysis.respond(coupling))
     expected = operator @ whole
@@ -218,9 +222,9 @@ def couplings_without_supports(model: object) -> sp.csc_matrix:
 
 def test_stress_operator_is_the_measure() -> None:
     analysis = begin()
-    hot, measure = analysis.critical_places
+    ((hot, measure),) = analysis.critical_places
     operator = stress_operator(analysis.model, analysis.discs, hot)
-    tensors = (operator @ analysis.displacement).reshape(len(hot), -1, 5)
+    tensors = (operator @ analysis.displacements).reshape(len(hot), -1, 5)
     assert von_mises(tensors).max(axis=1) == pytest.approx(measure)
 
 
@@ -257,3 +261,37 @@ def test_settings_out_of_range_are_refused() -> None:
         reinforce(pattern(), Plane(2.0), Case.of(LOAD), method="guess")  # type: ignore[arg-type]
     with pytest.raises(AnalysisError, match=r"yield stress is 0.0 MPa"):
         Case.of(LOAD, yield_mpa=0.0)
+
+
+def bars_needed(method: str, version: int, size_mm: float, finder: str, pressure_mpa: float) -> Reinforcement:
+    spec = PatternSpec(size_mm=size_mm, finder=finder)  # type: ignore[arg-type]
+    drawn = build(easiest_mask(encode("https://example.com/p/1234567", version=version), spec), spec)
+    case = Case.of(Pressure(pressure_mpa), flare_mm=0.375)
+    return reinforce(drawn, Plane(1.6), case, method=method)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("version", "size_mm", "finder", "pressure_mpa"),
+    [(3, 60.0, "panel", 12e-3), (8, 140.0, "diagonal", 1.8e-3)],
+)
+def test_the_optimal_choice_ends_no_worse_than_the_paper_s(
+    version: int, size_mm: float, finder: str, pressure_mpa: float
+) -> None:
+    paper, best = (bars_needed(m, version, size_mm, finder, pressure_mpa) for m in ("paper", "optimal"))
+    assert paper.strong
+    assert best.strong
+    assert sum(best.pattern.readability.errors) <= sum(paper.pattern.readability.errors)
+    assert len(best.bridges) <= len(paper.bridges)
+    assert len(best.bridges) > 0
+
+
+def test_bars_are_looked_for_in_holes_that_fall_into_pieces_when_shrunk() -> None:
+    spec = PatternSpec(size_mm=60.0, finder="panel")
+    drawn = build(easiest_mask(encode("https://example.com/p/1234567", version=3), spec), spec)
+    found = lattice_candidates(drawn, Allowance.of(drawn), (drawn.spec.web_mm,))
+    holes = [Polygon(ring) for ring in drawn.polygon.interiors]
+    shrunk = [hole.buffer(-drawn.spec.web_mm / 2 - drawn.spec.gap_mm, join_style="mitre") for hole in holes]
+    in_pieces = [hole for hole, left in zip(holes, shrunk, strict=True) if left.geom_type == "MultiPolygon"]
+    middles = 0.5 * (found.start + found.end)
+    assert in_pieces
+    assert sum(hole.contains(Point(middle)) for hole in in_pieces for middle in middles) > 50
