@@ -88,13 +88,17 @@ def make(
 
 
 @app.command()
-def read(picture: Annotated[Path, typer.Argument(metavar="IMAGE")], as_json: _Json = False) -> None:
+def read(
+    picture: Annotated[Path, typer.Argument(metavar="IMAGE")],
+    which: Annotated[int | None, typer.Option(help="Which of several codes in it, from 1.")] = None,
+    as_json: _Json = False,
+) -> None:
     """Read a picture of a code: payload, version, level, mask, errors per block, and L(Q)."""
     from perfqr_cad.capture import read as capture
     from perfqr_cad.pipeline.certificate import reading
 
     with _progress():
-        report = reading(capture(picture))
+        report = reading(capture(picture, which))
     if as_json:
         _print_json(report)
     else:

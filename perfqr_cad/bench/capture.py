@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.capture import load_image, read
-from perfqr_cad.capture.image import luminance
+from perfqr_cad.capture.pictures.image import luminance
 from perfqr_cad.errors import CaptureError
 from perfqr_cad.scan.decoding import decoders
 from perfqr_cad.table import Table

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from perfqr_cad.bench.pattern import plain_code
 from perfqr_cad.pattern import PatternSpec, build
 from perfqr_cad.pattern.spec import FinderStrategy
-from perfqr_cad.pipeline.holding import ALLOWABLE_MPA, Hold, front
+from perfqr_cad.pipeline.holding import ALLOWABLE_MPA, RingHold, front
 from perfqr_cad.progress import tell
 from perfqr_cad.scan import Look, View
 from perfqr_cad.scan.camera.preview import plate_scene
@@ -37,7 +37,7 @@ class _Way:
     """A way to hold rings, and how thick its plates are."""
 
     finder: FinderStrategy
-    hold: Hold | None = None
+    hold: RingHold | None = None
 
     @property
     def thickness_mm(self) -> float:

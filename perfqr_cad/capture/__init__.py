@@ -1,7 +1,8 @@
 """From a picture of a QR code to its modules, its damage and its art.
 
-`image` opens the file, `seeds` and `finders` guess a place, `register` and `warp` fit a grid, `sampling`
-weighs the modules, `art` tells the shapes. What modules mean is decided in `symbol`, not here.
+`image` opens the file, `search` has `seeds` and `finders` guess a place, `register` and `warp` fit a grid,
+`sampling` weighs the modules, `several` numbers the codes of one picture, `symbologies` names what is no QR
+code, `art` tells the shapes. What modules mean is decided in `symbol`, not here.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from perfqr_cad.capture.capture import Art, Capture
 
 if TYPE_CHECKING:
-    from perfqr_cad.capture.image import load_image
+    from perfqr_cad.capture.pictures.image import load_image
     from perfqr_cad.capture.recognition import read
 
 __all__ = ["Art", "Capture", "load_image", "read"]
@@ -24,7 +25,7 @@ def __getattr__(name: str) -> Any:
 
         return read
     if name == "load_image":
-        from perfqr_cad.capture.image import load_image
+        from perfqr_cad.capture.pictures.image import load_image
 
         return load_image
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.capture.art import art_of, rectify
+from perfqr_cad.capture.attempts import distinct, glimpses, seeds
 from perfqr_cad.capture.capture import Capture, Sampling
-from perfqr_cad.capture.finders import triples
-from perfqr_cad.capture.grid import CORNERS, Floats, Grid, project
-from perfqr_cad.capture.image import Picture, load_image, luminance
+from perfqr_cad.capture.grid import CORNERS, Floats, Grid
+from perfqr_cad.capture.pictures.image import Picture, load_image, luminance
+from perfqr_cad.capture.pictures.views import is_colourful, projections
 from perfqr_cad.capture.register import Workspace, correlation, register, workspace
 from perfqr_cad.capture.sampling import (
     global_threshold,
@@ -28,8 +29,9 @@ from perfqr_cad.capture.sampling import (
     soft_log_likelihood,
     vote_log_likelihood,
 )
-from perfqr_cad.capture.seeds import Seed, opencv_seeds, wechat_seeds, zxing_seeds
-from perfqr_cad.capture.views import greys, is_colourful, projections, searched
+from perfqr_cad.capture.seeds import Seed
+from perfqr_cad.capture.several import choice, in_reading_order, overlap
+from perfqr_cad.capture.symbologies import other_code
 from perfqr_cad.capture.warp import bent
 from perfqr_cad.errors import CaptureError, SymbolError
 from perfqr_cad.symbol import Matrix, Recovery, format_candidates, layout, recover, size_of
@@ -40,11 +42,9 @@ LEAST_FIT = 0.35  # correlation with the function patterns; noise and text stay 
 FLAT_FIT = 0.93  # a page that fits so well flat is not bent
 GOOD_FIT = 0.6  # from here on a failure says that the code is damaged, not that there is none
 SIZES_TRIED = 3  # of those that fit best, for a seed that does not know its size
-SEEDS_TRIED = 150  # these two bound the time spent on a picture without a readable code
-CORRECTIONS_TRIED = 8
+CORRECTIONS_TRIED = 8  # with SEEDS_TRIED it bounds the time spent on a picture without a readable code
 LEAST_AGREEMENT = 0.6  # of the modules with the corrected symbol; by chance it is 0.5 ± 0.02
 FORMAT_UNREADABLE = 15  # all bits of the format information
-SAME_PLACE = 0.12  # of a symbol's side: seeds nearer than this are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +57,13 @@ class _Found:
     dark: NDArray[np.float64]
     log_likelihood: NDArray[np.float64]
     recovery: Recovery
+    engine: str
+    inverted: bool
 
 
 def read(
     source: str | Path | bytes | NDArray[Any],
+    which: int | None = None,
     *,
     sampling: Sampling = "soft",
     rectified_module_px: int = RECTIFIED_MODULE_PX,
@@ -68,10 +71,12 @@ def read(
     """The QR code in a picture.
 
     source    what `load_image` takes
+    which     of several codes in the picture, from 1 in reading order: by rows from the top, from the left
     sampling  "soft": shades against the levels of dark and light nearby; "gaussian": the majority of the
               paper's Gaussian points in the picture binarised by one threshold (§4.2)
 
-    CaptureError says whether no code was found, or one that is damaged beyond its capacity.
+    CaptureError says whether no code was found, one that is damaged beyond its capacity, or several of which
+    none was chosen.
 
     >>> import numpy as np
     >>> from perfqr_cad.symbol import encode
@@ -81,60 +86,54 @@ def read(
     ('HELLO', 'plain')
     """
     picture = _without_idle_colour(load_image(source))
+    name = Path(source).name if isinstance(source, str | Path) else "the picture"
+    first = _first(picture, name, sampling)
+    codes = in_reading_order([first, *_others(picture, first, sampling)], lambda one: one.grid.corners)
+    number = choice([one.recovery.payload for one in codes], which, name)
+    return _capture(codes[number - 1], rectified_module_px)
+
+
+def _first(picture: Picture, name: str, sampling: Sampling) -> _Found:
+    """The code that is found with the least effort."""
     damage: tuple[float, str] = (0.0, "")
     tries = 0
-    for view, seed in _distinct(_seeds(picture)):
+    for view, seed in distinct(seeds(picture)):
         for space, grid, fit in _registered(view, seed):
             tries += 1
             if tries > CORRECTIONS_TRIED:
-                raise CaptureError(_failure(source, picture, *damage))
+                raise CaptureError(_failure(name, picture, *damage))
             try:
-                found = _corrected(picture, space, grid, fit, seed, sampling)
+                return _corrected(picture, space, grid, fit, seed, sampling)
             except SymbolError as failure:
                 damage = max(damage, (abs(fit), str(failure)))
-            else:
-                return _capture(found, seed.engine, fit < 0, rectified_module_px)
-    raise CaptureError(_failure(source, picture, *damage))
+    raise CaptureError(_failure(name, picture, *damage))
+
+
+def _others(picture: Picture, first: _Found, sampling: Sampling) -> list[_Found]:
+    """The readable codes beside the first, as far as a quick look shows them."""
+    codes = [first]
+    grey = luminance(picture)
+    for seed in glimpses(grey):
+        if _is_on(codes, seed.outline):
+            continue
+        for space, grid, fit in _registered(grey, seed):
+            if abs(fit) < GOOD_FIT or _is_on(codes, grid.corners):
+                continue
+            try:
+                found = _corrected(picture, space, grid, fit, seed, sampling)
+            except SymbolError:  # what cannot be read is none to choose
+                continue
+            codes.append(found)
+            break
+    return codes[1:]
+
+
+def _is_on(codes: list[_Found], corners: Floats) -> bool:
+    return any(overlap(one.grid.corners, corners) for one in codes)
 
 
 def _without_idle_colour(picture: Picture) -> Picture:
     return picture if is_colourful(picture) else luminance(picture)
-
-
-def _seeds(picture: Picture) -> Iterator[tuple[Picture, Seed]]:
-    """Guesses by decoders and by our own search, each with the grey view that shows it; cheapest first."""
-    views = greys(picture)
-    for decoder in (zxing_seeds, _finder_seeds, wechat_seeds, opencv_seeds):
-        yield from ((views[0], seed) for seed in decoder(views[0]))
-    for view in views[1:]:
-        for decoder in (zxing_seeds, _finder_seeds):
-            yield from ((view, seed) for seed in decoder(view))
-    for view in views:
-        for name, image, back in searched(view):
-            for decoder in (zxing_seeds, _finder_seeds):
-                for seed in decoder(image):
-                    engine, places = f"{seed.engine}, {name}", project(back, seed.places)
-                    yield view, replace(seed, engine=engine, places=places)
-
-
-def _finder_seeds(image: Picture) -> Iterator[Seed]:
-    for triple in triples(image):
-        yield Seed("finders", triple.centres, triple.sizes, None, True)
-
-
-def _distinct(seeds: Iterator[tuple[Picture, Seed]]) -> Iterator[tuple[Picture, Seed]]:
-    """Seeds that are not where another of their view was already, `SEEDS_TRIED` of them at the most."""
-    seen: list[tuple[int, Floats]] = []
-    for view, seed in seeds:
-        place = np.append(seed.places.mean(axis=0), np.ptp(seed.places, axis=0))
-        near = SAME_PLACE * float(place[2:].max())
-        kind = id(view) + len(seed.places)
-        if any(kind == other and np.abs(place - old).max() < near for other, old in seen):
-            continue
-        seen.append((kind, place))
-        yield view, seed
-        if len(seen) >= SEEDS_TRIED:
-            return
 
 
 def _registered(grey: Picture, seed: Seed) -> Iterator[tuple[Workspace, Grid, float]]:
@@ -174,7 +173,7 @@ def _corrected(
     for candidate in _shapes(space, grid, fit, seed):
         for _, shade in projections(picture, candidate, fit < 0):
             try:
-                found = _recovered(shade, candidate, seed, sampling)
+                found = _recovered(shade, candidate, seed, sampling, fit < 0)
             except SymbolError as failure:
                 first = first or failure
                 continue
@@ -198,7 +197,7 @@ def _shapes(space: Workspace, grid: Grid, fit: float, seed: Seed) -> Iterator[Gr
         yield bent(space, Grid.from_corners(grid.size, seed.corners(grid.size)))
 
 
-def _recovered(shade: Picture, grid: Grid, seed: Seed, sampling: Sampling) -> _Found:
+def _recovered(shade: Picture, grid: Grid, seed: Seed, sampling: Sampling, inverted: bool) -> _Found:
     """Sampled and corrected, as it is or as in a mirror."""
     samples = sample_modules(shade, grid)
     light, dark = levels(samples)
@@ -208,7 +207,7 @@ def _recovered(shade: Picture, grid: Grid, seed: Seed, sampling: Sampling) -> _F
         likely = vote_log_likelihood(samples, global_threshold(shade))
     if _format_distance(likely.T) < _format_distance(likely):
         grid, light, dark, likely = _transposed(grid), light.T, dark.T, likely.T
-    return _Found(shade, grid, light, dark, likely, _trusted(likely, seed))
+    return _Found(shade, grid, light, dark, likely, _trusted(likely, seed), seed.engine, inverted)
 
 
 def _format_distance(likely: NDArray[np.float64]) -> int:
@@ -240,7 +239,7 @@ def _transposed(grid: Grid) -> Grid:
     return replace(grid, homography=grid.homography @ swap, warp=grid.warp.transpose(1, 0, 2)[..., ::-1])
 
 
-def _capture(found: _Found, engine: str, inverted: bool, module_px: int) -> Capture:
+def _capture(found: _Found, module_px: int) -> Capture:
     likely = found.log_likelihood
     return Capture(
         matrix=found.recovery.observed,
@@ -251,8 +250,8 @@ def _capture(found: _Found, engine: str, inverted: bool, module_px: int) -> Capt
         homography=np.asarray(found.grid.homography, np.float64),
         warp=np.asarray(found.grid.warp, np.float64),
         confidence=1.0 / (1.0 + np.exp(-np.abs(likely))),
-        engine=engine,
-        inverted=inverted,
+        engine=found.engine,
+        inverted=found.inverted,
         mirrored=_is_mirrored(found.grid),
     )
 
@@ -262,10 +261,12 @@ def _is_mirrored(grid: Grid) -> bool:
     return bool(np.linalg.det(np.stack([b - a, c - a])) < 0)
 
 
-def _failure(source: str | Path | bytes | NDArray[Any], picture: Picture, fit: float, damage: str) -> str:
-    name = Path(source).name if isinstance(source, str | Path) else "the picture"
+def _failure(name: str, picture: Picture, fit: float, damage: str) -> str:
     if fit >= GOOD_FIT:
         return f"the code in {name} cannot be read: {damage}"
+    other = other_code(picture)
+    if other is not None:
+        return f"{name} holds no QR code but {other}; make a QR code (Model 2) of its text with --text"
     height, width = picture.shape[:2]
     return (
         f"no QR code found in {name} ({width} × {height} pixels): take a sharper, straighter or larger "

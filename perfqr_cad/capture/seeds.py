@@ -42,6 +42,11 @@ class Seed:
         origin = corner - 3.5 * (right + down)
         return np.stack([origin, origin + size * right, origin + size * (right + down), origin + size * down])
 
+    @property
+    def outline(self) -> Floats:
+        """(4, 2) outer corners of the likeliest symbol."""
+        return self.places if len(self.places) == 4 else self.corners(self.sizes[0])
+
 
 def _seeds_of(engine: str, image: NDArray[np.uint8]) -> Iterator[Seed]:
     """What a decoder finds in a grey picture (H, W); nothing if it crashes or does not end."""

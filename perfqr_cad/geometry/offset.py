@@ -16,9 +16,9 @@ from functools import cached_property
 import numpy as np
 
 from perfqr_cad.geometry.arrays import Array, Indices, Mask
+from perfqr_cad.geometry.cycles import following, owners, preceding, starts_of
 from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.outline import Arc, Bezier, Circle, Line, Loop, Segment
-from perfqr_cad.geometry.rings import following, owners, preceding, starts_of
 from perfqr_cad.geometry.vectors import cross, crossing, left, unit
 
 SMOOTH = 1e-6  # sine of the turn below which two segments join smoothly

@@ -227,8 +227,8 @@ def _polygons(covered: BaseGeometry) -> list[Polygon]:
 
 def _welds(polygons: Sequence[Polygon]) -> Iterator[BaseGeometry]:
     """What lies near two rings at once."""
-    rings = np.array([ring for polygon in polygons for ring in (polygon.exterior, *polygon.interiors)])
-    pairs = shapely.STRtree(rings).query(rings, predicate="dwithin", distance=GAP_MM).T
+    rings = [ring for polygon in polygons for ring in (polygon.exterior, *polygon.interiors)]
+    pairs = shapely.STRtree(rings).query(np.array(rings), predicate="dwithin", distance=GAP_MM).T
     for i, k in pairs[pairs[:, 0] < pairs[:, 1]].tolist():
         one, other = (ring.buffer(WELD_MM, quad_segs=4) for ring in (rings[i], rings[k]))
         yield one.intersection(other)

@@ -136,7 +136,7 @@ def _source(request: Request, terms: Terms) -> tuple[Capture | None, Symbol]:
     if request.image is not None:
         from perfqr_cad.capture import read
 
-        capture = read(request.image)
+        capture = read(request.image, request.which)
         return capture, capture.recovery.symbol
     from perfqr_cad.pattern.choice import easiest_mask
     from perfqr_cad.symbol import encode

@@ -28,7 +28,7 @@ ALLOWABLE_MPA = 25.0  # of PLA: half its yield stress, which leaves a factor of 
 
 
 @dataclass(frozen=True)
-class Hold:
+class RingHold:
     """Bars of the finder rings in a plate; `width_mm` None: as wide as reads well.
 
     bars   of each ring, as in `PatternSpec`
@@ -42,7 +42,7 @@ class Hold:
     def bears_n(self, module_mm: float, allowable_mpa: float = ALLOWABLE_MPA) -> float:
         """Force of a fingertip on the weakest finder ring, N.
 
-        >>> [round(Hold(bars, 0.4, None, 1.6).bears_n(1.62), 2) for bars in (1, 2)]
+        >>> [round(RingHold(bars, 0.4, None, 1.6).bears_n(1.62), 2) for bars in (1, 2)]
         [0.2, 0.43]
         """
         wide_mm = min(rings.WIDE * module_mm, rings.WIDE_MM) if self.width_mm is None else self.width_mm
@@ -67,20 +67,20 @@ class Hold:
         )
 
 
-def front(thickness_mm: float, nozzle_mm: float) -> tuple[Hold, ...]:
+def front(thickness_mm: float, nozzle_mm: float) -> tuple[RingHold, ...]:
     """Holds in the order in which readers lose them: narrow bars, wide ones, two, then thicker plates.
 
     Higher bars come with thicker plates, for their tops must stay in the shade. Size is no part of it: bars
     and levers grow alike.
     """
     holds = [
-        Hold(1, LAYER_SHARE * nozzle_mm, nozzle_mm, thickness_mm),
-        Hold(1, nozzle_mm, None, thickness_mm),
-        Hold(2, nozzle_mm, None, thickness_mm),
+        RingHold(1, LAYER_SHARE * nozzle_mm, nozzle_mm, thickness_mm),
+        RingHold(1, nozzle_mm, None, thickness_mm),
+        RingHold(2, nozzle_mm, None, thickness_mm),
     ]
     steps = max(0, math.floor((THICKEST_MM - thickness_mm) / STEP_MM + 1e-9))
     thicker = [round(thickness_mm + k * STEP_MM, 6) for k in range(1, steps + 1)]
-    holds += [Hold(2, round(t - SHADE_MM, 6), None, t) for t in thicker if t - SHADE_MM > nozzle_mm]
+    holds += [RingHold(2, round(t - SHADE_MM, 6), None, t) for t in thicker if t - SHADE_MM > nozzle_mm]
     return tuple(holds)
 
 

@@ -37,6 +37,9 @@ class Request:
     image: str | None = setting(
         None, "a picture of a code, instead of a text", group="Code", empty="none", visible=True
     )
+    which: int | None = setting(
+        None, "which of several codes in the picture", group="Code", range=(1, 100), empty="the only one"
+    )
     level: str = setting(
         "M", "error correction level", group="Code", choices=("L:7 %", "M:15 %", "Q:25 %", "H:30 %")
     )
@@ -280,6 +283,8 @@ class Request:
         for declared in SETTINGS:
             given = getattr(self, declared.field)
             object.__setattr__(self, declared.field, declared.check(given, declared.field))
+        if self.which is not None and self.image is None:
+            raise DesignError("which chooses among the codes in a picture, and none is given: leave it out")
         if len([hole for hole in self.hole_mm if len(hole) == 1]) > 1:
             raise DesignError("hole: two diameters for the holes in the corners: give one, or x,y,diameter")
 

@@ -89,7 +89,7 @@ def resolved(request: Request, *, or_straight: bool) -> Terms:
         case=_case(request),
         views=_views(request),
         look=_look(request),
-        caption=_caption(request, drawing.web_mm),
+        caption=_caption(request, drawing),
         backing=_backing(request),
         colour=_part_colour(request),
     )
@@ -130,7 +130,7 @@ def _bars(request: Request) -> dict[str, Any]:
     return chosen | {name: value for name, value in asked.items() if value is not None}
 
 
-def _caption(request: Request, web_mm: float) -> Caption | None:
+def _caption(request: Request, drawing: PatternSpec) -> Caption | None:
     """What is written on the frame."""
     if not request.caption:
         return None
@@ -140,9 +140,11 @@ def _caption(request: Request, web_mm: float) -> Caption | None:
 
     height_mm = request.caption_height_mm
     if height_mm is None:
-        height_mm = fitting_height_mm(request.caption, request.font, request.frame_mm, web_mm)
+        height_mm = fitting_height_mm(request.caption, request.font, request.frame_mm, drawing.web_mm)
     place: Place = request.caption_place  # pyright: ignore[reportAssignmentType]  # Caption refuses others
-    return Caption(request.caption, height_mm, request.caption_relief_mm, request.font, place)
+    caption = Caption(request.caption, height_mm, request.caption_relief_mm, request.font, place)
+    caption.require_fit(drawing)
+    return caption
 
 
 def _backing(request: Request) -> Backing | None:

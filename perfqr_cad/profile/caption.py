@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 import shapely
 from shapely.affinity import scale, translate
+from shapely.geometry.base import BaseGeometry
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Region
@@ -75,13 +76,18 @@ class Caption:
 
         Raises `DesignError` where they do not fit, or are too fine for the nozzle.
         """
+        self.require_fit(pattern.spec)
         _require_floor(self, thickness_mm)
-        _require_frame(self, pattern.spec)
-        _require_printable(self, pattern.spec)
         strip = _Strip(pattern.spec, pattern.size_mm, self.place)
         _require_room(self, strip)
         up = strip.middle_mm - self.height_mm * self.extent.middle
         return tuple(moved_region(letter, 1.0, 0.0, up) for letter in self.letters())
+
+    def require_fit(self, spec: PatternSpec) -> None:
+        """What is known before the code is drawn: raises `DesignError` where the lines are too high for the
+        frame, or too fine for the nozzle."""
+        _require_frame(self, spec)
+        _require_printable(self, spec)
 
     def is_printable(self, height_mm: float, nozzle_mm: float) -> bool:
         """Whether, so high, letters keep their strokes and gaps when those under half a line go."""
@@ -113,7 +119,7 @@ class _Strip:
         away = (self.size_mm + self.spec.surround.frame_mm - self.spec.web_mm) / 2
         return away if self.place == "top" else -away
 
-    def gap_mm(self, ink: shapely.Polygon) -> float:
+    def gap_mm(self, ink: BaseGeometry) -> float:
         """What ink in its middle leaves to the outer edge and to mounting holes."""
         placed = translate(ink, 0.0, self.middle_mm)
         rim = shapely.Polygon(self.spec.surround.outline(self.size_mm).flatten())
@@ -122,7 +128,7 @@ class _Strip:
             gaps.append(placed.distance(shapely.Point(hole.x_mm, hole.y_mm)) - hole.diameter_mm / 2)
         return max(min(gaps), 0.0)
 
-    def has_room(self, ink: shapely.Polygon) -> bool:
+    def has_room(self, ink: BaseGeometry) -> bool:
         """Whether half a web is left, beside the web below the letters."""
         return self.gap_mm(ink) >= self.spec.web_mm / 2 - SLACK_MM
 
@@ -180,7 +186,7 @@ def _require_room(caption: Caption, strip: _Strip) -> None:
     )
 
 
-def _more_room(caption: Caption, strip: _Strip, ink: shapely.Polygon) -> Iterator[str]:
+def _more_room(caption: Caption, strip: _Strip, ink: BaseGeometry) -> Iterator[str]:
     """What would let a caption stand clear; each has been tried."""
 
     def scaled(share: float) -> bool:
@@ -204,7 +210,7 @@ def _letters_of(height_mm: float) -> str:
     return f"--caption-height {height_mm:g}"
 
 
-def _ink(caption: Caption) -> shapely.Polygon:
+def _ink(caption: Caption) -> BaseGeometry:
     """The convex hull of the letters about their middle."""
     corners = np.vstack([letter.outer.flatten() for letter in caption.letters()])
     return shapely.MultiPoint(corners - (0.0, caption.height_mm * caption.extent.middle)).convex_hull

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.arrays import Array, Indices, Mask
+from perfqr_cad.geometry.cycles import following, owners, starts_of
 from perfqr_cad.geometry.offset import widened
 from perfqr_cad.geometry.outline import Arc, Loop, Region, Segment
-from perfqr_cad.geometry.rings import following, owners, starts_of
 from perfqr_cad.geometry.segments import corners, pieces
 from perfqr_cad.geometry.vectors import left, unit
 

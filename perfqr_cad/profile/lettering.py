@@ -215,6 +215,6 @@ def _apart(letters: Sequence[Region]) -> tuple[Region, ...]:
     group = components(near(letters), len(letters))
     found: list[Region] = []
     for number in range(group.max() + 1):
-        members = [letters[i] for i in np.flatnonzero(group == number)]
+        members = [letters[i] for i in np.flatnonzero(group == number).tolist()]
         found += members if len(members) == 1 else united([loop for one in members for loop in one.loops])
     return tuple(found)

@@ -1,8 +1,11 @@
+# pyright: reportAttributeAccessIssue=false
+# HarfBuzz's stubs name nothing of what the module exports.
 """Fonts: found by name or by file, text shaped by HarfBuzz, glyphs as outlines. Lengths in font units."""
 
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -44,7 +47,7 @@ class Typeface:
 
     @cached_property
     def capital(self) -> float:
-        """Height of a capital letter; of a font without any, the height it says they would have."""
+        """Height of a capital letter; of a font without any, what it says of them, or 2/3 of an em."""
         if not self.has(CAPITAL):
             return self.font.get_metric_position_with_fallback(hb.OTMetricsTag.CAP_HEIGHT)
         glyph = self.font.get_nominal_glyph(ord(CAPITAL)) or 0
@@ -97,7 +100,7 @@ def typeface(font: str | None = None) -> Typeface:
         import matplotlib
 
         return _opened(FONT, Path(matplotlib.get_data_path(), FILE), 0)
-    if Path(font).is_file():
+    if os.path.isfile(font):  # False for names that no file can have, which `Path` raises for
         return _opened(Path(font).name, Path(font), 0)
     known = {name.casefold(): name for name in _installed()}
     if font.casefold() not in known:

@@ -16,8 +16,8 @@ import numpy as np
 
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.cycles import following, starts_of
 from perfqr_cad.geometry.outline import Point, Segment
-from perfqr_cad.geometry.rings import following, starts_of
 from perfqr_cad.geometry.segments import corners, pieces, positions
 from perfqr_cad.geometry.triangulation import delaunay, refined
 from perfqr_cad.profile.caps import caps

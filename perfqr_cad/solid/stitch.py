@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from perfqr_cad.geometry.arrays import Array, Indices, Mask
+from perfqr_cad.geometry.cycles import following, numbering, owners, starts_of
 from perfqr_cad.geometry.outline import Loop, Point
-from perfqr_cad.geometry.rings import following, numbering, owners, starts_of
 from perfqr_cad.profile.caps import FIRST, Cap
 from perfqr_cad.profile.loft import Loft
 from perfqr_cad.profile.sections import Sections

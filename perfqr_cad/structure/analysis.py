@@ -14,7 +14,7 @@ from perfqr_cad.structure.mesh.light_region import by_thickness, clean
 from perfqr_cad.structure.mesh.seeding import MeshSize
 from perfqr_cad.structure.mesh.tile_meshes import TileMeshes
 from perfqr_cad.structure.mesh.tiled_mesh import tiled_mesh
-from perfqr_cad.structure.mesh.tiling import Lattice
+from perfqr_cad.structure.mesh.tiling import TileLattice
 from perfqr_cad.structure.mesh.triangle import Floats
 from perfqr_cad.structure.part import Part
 from perfqr_cad.structure.shell_model import Model, build_model, forces_of, unknowns
@@ -86,7 +86,7 @@ def prepare(
         if not (math.isfinite(value) and value > 0.0):
             raise AnalysisError(f"{label} is {value} mm; it must be a positive number")
     domain = clean(part.polygon)
-    lattice = part.lattice or Lattice(TILE_EDGES * size.edge_mm)
+    lattice = part.lattice or TileLattice(TILE_EDGES * size.edge_mm)
     classes = by_thickness(domain, part.thin, wall_mm)
     flat = part.placement.is_flat and case.bends_only
     mesh = tiled_mesh(list(classes.values()), lattice, tile_meshes or TileMeshes(size))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from shapely.geometry import Polygon
 
-from perfqr_cad.structure.mesh.light_region import ThinPart, thin_parts
-from perfqr_cad.structure.mesh.tiling import Lattice
+from perfqr_cad.structure.mesh.light_region import ThinPart, thin_parts, with_roots
+from perfqr_cad.structure.mesh.tiling import TileLattice
 from perfqr_cad.surface import Placement
 
 if TYPE_CHECKING:
@@ -27,22 +27,23 @@ class Part:
     polygon: Polygon
     placement: Placement
     thin: tuple[ThinPart, ...] = ()
-    lattice: Lattice | None = None
+    lattice: TileLattice | None = None
     web_mm: float | None = None
 
     @staticmethod
-    def of(pattern: Pattern, placement: Placement) -> Part:
-        """That of a pattern, recessed bars with their own thickness."""
+    def of(pattern: Pattern, placement: Placement, *, roots: bool = True) -> Part:
+        """That of a pattern, recessed bars with their own thickness, and `roots` as a shell needs them."""
+        thin = thin_parts(pattern, placement.thickness_mm)
         return Part(
             pattern.polygon,
             placement,
-            thin_parts(pattern, placement.thickness_mm),
+            with_roots(thin) if roots else thin,
             lattice_of(pattern),
             pattern.spec.web_mm,
         )
 
 
-def lattice_of(pattern: Pattern) -> Lattice:
+def lattice_of(pattern: Pattern) -> TileLattice:
     """The lattice of a pattern's modules."""
     half = 0.5 * pattern.symbol.size * pattern.module_mm
-    return Lattice(pattern.module_mm, (-half, -half))
+    return TileLattice(pattern.module_mm, (-half, -half))

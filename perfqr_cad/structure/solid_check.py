@@ -19,6 +19,7 @@ from perfqr_cad.structure.assessment import assess
 from perfqr_cad.structure.case import Case
 from perfqr_cad.structure.elements import wedge
 from perfqr_cad.structure.elements.assembly import Flags, System
+from perfqr_cad.structure.elements.solvers import factorise
 from perfqr_cad.structure.handling.capacity import STRESS_MARGIN, Capacity, Hand
 from perfqr_cad.structure.loads import Hold
 from perfqr_cad.structure.measure import Discs
@@ -36,14 +37,15 @@ EDGE_MODULES = 1.0  # shell and solid are compared on one mesh, which need not b
 OUTLINE_NOZZLES = (0.05, 0.25)  # how far outlines may move: the finest of these that fits into memory counts
 MOST_BYTES = 2e9
 # Bytes of a SuperLU factor of n unknowns: this times n^(4/3), measured on one of 135,000.
-BYTES_OF_FACTOR = 75.0
+BYTES_OF_FACTOR = 90.0
 BYTES_OF_WEDGE = 2.0 * 54 * 54 * 8  # its matrix, and what assembling copies of it
 
 
 @dataclass(frozen=True)
 class SolidCheck:
-    """Largest deflection (mm) and disc-averaged stress (MPa) of the solid and of the shell on one mesh; under
-    a hand the shell's stress is that of the certificate, with its margin.
+    """Largest deflection (mm) and disc-averaged stress (MPa) of the solid and of the shell on one mesh.
+
+    Under a hand the shell's stress is that of the certificate, with its margin.
 
     load   what was done to the part, in words
     bytes  what was reckoned to be needed
@@ -80,7 +82,7 @@ def verify_solid(
     Raises:
         AnalysisError: as `analyse`; or the solid needs too much memory.
     """
-    part = Part.of(pattern, placement)
+    part = Part.of(pattern, placement, roots=False)
     upright = replace(case, flare_mm=0.0)
     edge = edge_mm or EDGE_MODULES * pattern.module_mm
     needed = 0.0
@@ -95,10 +97,11 @@ def verify_solid(
             f"the part in three dimensions needs {needed / 1e9:.1f} GB (limit {MOST_BYTES / 1e9:g}): "
             "leave --verify-solid out, or take a lower version"
         )
+    shell = prepare(Part.of(pattern, placement), upright, size)
     if not case.handling:
-        return replace(check(model, upright), bytes=needed)
+        return replace(check(model, upright, shell=shell), bytes=needed)
     worst = assess(pattern, placement, upright, edge).capacities[0]
-    return replace(check(model, upright, worst), load=worst.words, bytes=needed)
+    return replace(check(model, upright, worst, shell), load=worst.words, bytes=needed)
 
 
 def memory(model: Model) -> float:
@@ -108,14 +111,18 @@ def memory(model: Model) -> float:
     return BYTES_OF_FACTOR * unknowns ** (4 / 3) + BYTES_OF_WEDGE * wedges
 
 
-def check(model: Model, case: Case, worst: Capacity | None = None) -> SolidCheck:
-    """A shell model against the solid on its mesh, under the loads of the case or one of a hand."""
-    hand = Hand(model, model.factorise(case.solver), case)
+def check(model: Model, case: Case, worst: Capacity | None = None, shell: Model | None = None) -> SolidCheck:
+    """The solid on a shell's mesh against that shell or another of the same part, under the loads of the case
+    or one of a hand."""
+    shell = model if shell is None else shell
+    ours = Hand(shell, shell.factorise(case.solver), case)
+    hand = Hand(model, ours.factor, case)  # its factor is not asked
     if worst is None:
-        forces = forces_of(model, case.loads, hand.factor)
+        pushed = forces_of(shell, case.loads, ours.factor)
+        forces = pushed if shell is model else forces_of(model, case.loads, hand.factor)
     else:
-        forces = worst.asked_n * hand.forces(worst.push)
-    shell_answer = hand.factor.solve(np.where(model.fixed, 0.0, forces))
+        pushed, forces = (worst.asked_n * one.forces(worst.push) for one in (ours, hand))
+    shell_answer = ours.factor.solve(np.where(shell.fixed, 0.0, pushed))
     solid = _Solid(model, _slabs(model))
     answer, unknowns, solver = solid.solve(model.translations(forces), case.solver)
     discs = Discs(model.mesh, case.nozzle_mm)
@@ -123,17 +130,17 @@ def check(model: Model, case: Case, worst: Capacity | None = None) -> SolidCheck
     motion = answer[solid.middle]
     if worst is None:
         deflections = [
-            np.einsum("nc,nc->n", one, model.frames[:, 2])
-            for one in (motion, model.translations(shell_answer))
+            np.einsum("nc,nc->n", motion, model.frames[:, 2]),
+            np.einsum("nc,nc->n", shell.translations(shell_answer), shell.frames[:, 2]),
         ]
     else:
         along = np.einsum("nc,nc->n", motion, model.frames[:, 2])[:, None] if model.flat else motion
-        deflections = [hand.against_hold(worst.push, along), hand.deflection(worst.push, shell_answer)]
+        deflections = [hand.against_hold(worst.push, along), ours.deflection(worst.push, shell_answer)]
     return SolidCheck(
         solid_deflection_mm=float(np.abs(deflections[0]).max()),
         shell_deflection_mm=float(np.abs(deflections[1]).max()),
         solid_stress_mpa=float(discs.most_stressed(solid.stresses(answer))[1][0]),
-        shell_stress_mpa=margin * float(discs.most_stressed(model.corner_stresses(shell_answer))[1][0]),
+        shell_stress_mpa=margin * float(ours.discs.most_stressed(shell.corner_stresses(shell_answer))[1][0]),
         unknowns=unknowns,
         solver=solver,
     )
@@ -180,9 +187,11 @@ class _Solid:
         else:
             fixed[:, held] = True
         system = System(np.concatenate(elements), wedge.DOFS, np.concatenate(matrices), fixed.ravel())
+        lower = system.lower()
+        del system, matrices, elements  # a third of what the factor needs
         right = np.zeros(fixed.shape)
         right[self.middle] = loads
-        factor = system.factorise(solver)
+        factor = factorise(lower, solver)
         answer = factor.solve(np.where(fixed, 0.0, right).ravel())
         return answer.reshape(fixed.shape), int(np.count_nonzero(~fixed)), factor.name
 

@@ -101,6 +101,22 @@ def test_image_without_a_code(tmp_path: Path, folder: Path, refused: Refused) ->
     assert left_behind(folder) == []
 
 
+def test_several_codes_in_one_image(tmp_path: Path, run: Run, refused: Refused) -> None:
+    sheet, path = Image.new("L", (500, 250), 255), tmp_path / "two.png"
+    for number, text in enumerate(("first", "other")):
+        segno.make(text, micro=False).save(str(path), scale=8)
+        with Image.open(path) as code:
+            sheet.paste(code, (250 * number, 0))
+    sheet.save(path)
+    for command in (("read", path), ("make", "--image", path)):
+        assert "two.png holds 2 QR codes: 1 'first', 2 'other'; choose one with --which N" in refused(
+            *command
+        )
+    assert "there is no number 3" in refused("make", "--image", path, "--which", 3)
+    assert "payload: other" in run("read", path, "--which", 2)[1]
+    assert "none is given: leave it out" in refused("make", "a text", "--which", 1)
+
+
 def test_code_damaged_beyond_its_capacity(tmp_path: Path, refused: Refused) -> None:
     path = tmp_path / "damaged.png"
     segno.make(TEXT, error="l", version=5, micro=False, boost_error=False).save(str(path), scale=8)
@@ -196,10 +212,10 @@ LONG = "n" * 300
         (("--caption", "lab", "--frame", "8", "--caption-place", "left"), "bottom"),
         (("--caption", "lab"), "needs a frame"),
         (("-D", f"{LONG}=1"), "does not take"),
-        (("-t", f"{LONG}.py"), "cannot read template"),
+        (("-t", f"{LONG}.py"), "name a template (.py)"),
         (("-t", LONG), "no template"),
         (("-t", "/dev/zero"), "no template"),
-        (("-p", LONG, "-P", "x"), "cannot read parameter sets"),
+        (("-p", LONG, "-P", "x"), "name a file of parameter sets"),
         (("--template-timeout", "0"), "CPU seconds above 0"),
         (("--template-timeout", "nan"), "CPU seconds above 0"),
     ],

@@ -14,7 +14,7 @@ import pytest
 import zxingcpp
 
 from perfqr_cad.capture import load_image, read
-from perfqr_cad.capture.image import luminance
+from perfqr_cad.capture.pictures.image import luminance
 from perfqr_cad.errors import CaptureError
 from perfqr_cad.symbol import readability
 from tests import pictures

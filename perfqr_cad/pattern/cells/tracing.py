@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.cycles import following, owners, preceding, starts_of
 from perfqr_cad.geometry.outline import LEAST_MM, Line, Loop, Points
-from perfqr_cad.geometry.rings import following, owners, preceding, starts_of
 from perfqr_cad.pattern.cells.lattice import Cells, Indices, checkerboards
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from perfqr_cad.errors import KernelError
-from perfqr_cad.geometry.rings import starts_of
+from perfqr_cad.geometry.cycles import starts_of
 from perfqr_cad.solid.kernel.modelled import ModelledCurves, ModelledSurfaces, Run
 from perfqr_cad.solid.kernel.occ import EDGE, FORWARD, REVERSED, SOLID, VERTEX, WIRE, count, distinct
 from perfqr_cad.solid.kernel.wires import children, in_order

@@ -25,8 +25,8 @@ import shapely
 from scipy.spatial import cKDTree
 
 from perfqr_cad.geometry.arrays import Array, Indices
+from perfqr_cad.geometry.cycles import following, owners
 from perfqr_cad.geometry.graph import components
-from perfqr_cad.geometry.rings import following, owners
 from perfqr_cad.solid.proof import flux
 from perfqr_cad.solid.tables.brep import Brep
 from perfqr_cad.solid.tables.edge_points import EdgePoints

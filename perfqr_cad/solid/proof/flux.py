@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from perfqr_cad.geometry.arrays import Array, Indices, Mask
-from perfqr_cad.geometry.rings import numbering
+from perfqr_cad.geometry.cycles import numbering
 from perfqr_cad.geometry.segments import quarters
 from perfqr_cad.solid.proof.expected import gauss
 from perfqr_cad.solid.tables.batches import (

@@ -12,7 +12,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from perfqr_cad.geometry.arrays import Array, Indices, Mask
-from perfqr_cad.geometry.rings import following, owners
+from perfqr_cad.geometry.cycles import following, owners
 from perfqr_cad.solid.tables.batches import Curves, Surfaces
 
 TOLERANCE_MM = 1e-7  # of an exact edge: what solid modellers take for one point (Precision::Confusion)

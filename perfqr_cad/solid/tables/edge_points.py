@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from perfqr_cad.geometry.arrays import Array, Indices, Mask
-from perfqr_cad.geometry.rings import numbering, owners, starts_of
+from perfqr_cad.geometry.cycles import numbering, owners, starts_of
 from perfqr_cad.solid.tables.batches import Lines, Planes
 from perfqr_cad.solid.tables.brep import Brep, CurveTable
 

@@ -7,7 +7,7 @@ snapped and thinned first, and what that changed is checked.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 SNAP_MM = 1e-4  # far below any printer, far above the rounding of a double at 1 m
 SPECK_FRACTION = 1e-6  # pieces below this share of the area are left-overs of snapping, not parts
+ROOT_HEIGHTS = 0.65  # of a recessed bar: by how much it acts longer at each end
 AREA_CHANGE_LIMIT = 0.02  # cleaning may move the outline, never remove a web
 
 
@@ -65,6 +66,19 @@ def thin_parts(pattern: Pattern, wall_mm: float) -> tuple[ThinPart, ...]:
         for bar in pattern.recessed
         if bar.height_mm is not None and bar.height_mm + LEAST_SLOT_DEPTH_MM <= wall_mm
     )
+
+
+def with_roots(parts: Sequence[ThinPart]) -> tuple[ThinPart, ...]:
+    """Thin parts drawn out into the wall on all sides, by what the wall yields at their roots.
+
+    A bar that is much thinner than the wall it stands in turns with the material at its root as if it were
+    longer by a share of its own height (O'Donnell, J. Appl. Mech. 27, 1960, for a beam in the edge of a half
+    plane); the share is that with which shell and solid agree.
+    """
+    longer = (
+        shapely.buffer(one.polygon, ROOT_HEIGHTS * one.thickness_mm, join_style="mitre") for one in parts
+    )
+    return tuple(replace(part, polygon=polygon) for part, polygon in zip(parts, longer, strict=True))
 
 
 def by_thickness(domain: Polygon, thin: Sequence[ThinPart], wall_mm: float) -> dict[float, MultiPolygon]:

@@ -10,7 +10,7 @@ from shapely.geometry import MultiPolygon, Polygon
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.structure.mesh.tile_meshes import Flags, TileMesh, TileMeshes
-from perfqr_cad.structure.mesh.tiling import Lattice, Tiling, cut
+from perfqr_cad.structure.mesh.tiling import TileLattice, Tiling, cut
 from perfqr_cad.structure.mesh.triangle import Ints, Mesh
 
 AREA_TOLERANCE = 0.02  # thinning may move the outline, never lose a web
@@ -39,7 +39,7 @@ class TiledMesh:
 
 
 def tiled_mesh(
-    regions: Sequence[Polygon | MultiPolygon], lattice: Lattice, tile_meshes: TileMeshes
+    regions: Sequence[Polygon | MultiPolygon], lattice: TileLattice, tile_meshes: TileMeshes
 ) -> TiledMesh:
     """The mesh of a clean region that is parted by classes of material; `tile_meshes` learn its tiles.
 

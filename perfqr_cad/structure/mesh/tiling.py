@@ -27,7 +27,7 @@ NEAR_CUT = 0.04  # of a tile: an outline this close to a cut and along it makes 
 
 
 @dataclass(frozen=True)
-class Lattice:
+class TileLattice:
     """Squares of `pitch_mm` that repeat in a region; four of them meet at `corner_mm`."""
 
     pitch_mm: float
@@ -70,7 +70,7 @@ class Tiling:
     A tile spans [low, low + 2·half] units from its centre on both axes.
     """
 
-    lattice: Lattice
+    lattice: TileLattice
     low: int
     places: Ints
     content_of: Ints
@@ -88,7 +88,7 @@ class Tiling:
         return np.array([x, y]) + self.places.astype(float) * self.lattice.pitch_mm
 
 
-def cut(regions: Sequence[Polygon | MultiPolygon], lattice: Lattice) -> Tiling:
+def cut(regions: Sequence[Polygon | MultiPolygon], lattice: TileLattice) -> Tiling:
     """Cut regions, one for each class of material and disjoint, into tiles; empty ones are left out."""
     loops = [_edges(region, lattice) for region in regions]
     size = 2 * lattice.half
@@ -120,7 +120,7 @@ def cut(regions: Sequence[Polygon | MultiPolygon], lattice: Lattice) -> Tiling:
     return Tiling(lattice, low, places, content_of, tuple(contents))
 
 
-def _edges(region: Polygon | MultiPolygon, lattice: Lattice) -> Ints:
+def _edges(region: Polygon | MultiPolygon, lattice: TileLattice) -> Ints:
     """Directed edges (k, 4), material on the left, repeated points dropped."""
     rings = shapely.get_rings(shapely.get_parts(shapely.orient_polygons(region)))
     points, ring = shapely.get_coordinates(rings, return_index=True)

@@ -8,7 +8,7 @@ import segno
 
 from perfqr_cad.capture.finders import triples
 from perfqr_cad.capture.grid import Grid, project
-from perfqr_cad.capture.image import luminance
+from perfqr_cad.capture.pictures.image import luminance
 from perfqr_cad.capture.register import correlation, known_modules, register, workspace
 from perfqr_cad.capture.sampling import levels, sample_modules, soft_log_likelihood
 from perfqr_cad.capture.seeds import Seed

@@ -14,7 +14,7 @@ import segno
 from PIL import Image
 
 from perfqr_cad.capture import load_image, read
-from perfqr_cad.capture.decoding import MAX_PIXELS, WORK_PIXELS
+from perfqr_cad.capture.pictures.decoding import MAX_PIXELS, WORK_PIXELS
 from perfqr_cad.errors import CaptureError
 
 TEXT = "any picture"
@@ -142,3 +142,17 @@ def test_a_missing_file_names_itself(tmp_path: Path) -> None:
 def test_arrays_that_are_no_pictures(shape: tuple[int, ...]) -> None:
     with pytest.raises(CaptureError):
         load_image(np.zeros(shape, np.uint8))
+
+
+@pytest.mark.parametrize(
+    "start", [b"%!PS-Adobe-3.0 EPSF-3.0\n", b"%PDF-1.7\n", b"\n  %PDF-1.4", b"\x04%!PS", b"\xc5\xd0\xd3\xc6"]
+)
+def test_what_is_a_program_asks_to_be_drawn(start: bytes) -> None:
+    with pytest.raises(CaptureError, match=r"PostScript or PDF, .*: draw it as PNG, .* Ghostscript: gs -o"):
+        load_image(start + b"0 0 moveto showpage\n")
+
+
+def test_a_format_that_pillow_knows_by_name_alone() -> None:
+    header = b"GRIB\0\0\0\x01" + bytes(40)
+    with pytest.raises(CaptureError, match="is a GRIB file, which cannot be drawn: save it as PNG"):
+        load_image(header)

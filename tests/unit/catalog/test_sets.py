@@ -143,17 +143,17 @@ def test_deep_json_is_refused(tag: catalog.Template, depth: int, tmp_path: Path)
 def test_a_file_without_parameter_sets(text: str, tmp_path: Path) -> None:
     path = tmp_path / "sets.json"
     path.write_text(text)
-    with pytest.raises(TemplateError, match="no OpenSCAD parameter-set file"):
+    with pytest.raises(TemplateError, match=r"no OpenSCAD parameter-set file|is no JSON"):
         catalog.read_parameter_set(path, "s")
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.json", tmp_path / ("n" * 300), Path("/dev/zero")):
-        with pytest.raises(TemplateError, match="cannot read parameter sets"):
+        with pytest.raises(TemplateError, match="a file of parameter sets"):
             catalog.read_parameter_set(path, "s")
     huge = tmp_path / "huge.json"
     huge.write_bytes(b" " * 2_000_001)
-    with pytest.raises(TemplateError, match="over 2,000,000 bytes"):
+    with pytest.raises(TemplateError, match="a file of parameter sets"):
         catalog.read_parameter_set(huge, "s")
 
 

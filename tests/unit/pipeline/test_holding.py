@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from perfqr_cad.pipeline.holding import ALLOWABLE_MPA, WORST_PLACE, Hold, front, holding
+from perfqr_cad.pipeline.holding import ALLOWABLE_MPA, WORST_PLACE, RingHold, front, holding
 from perfqr_cad.pipeline.request import Request
 from perfqr_cad.pipeline.resolve import resolve
 
@@ -23,7 +23,7 @@ def test_each_hold_of_the_front_bears_more_than_the_one_before():
 
 
 def test_an_untwisted_bar_bears_what_a_cantilever_does():
-    hold = Hold(2, 0.8, 1.7, 2.0)
+    hold = RingHold(2, 0.8, 1.7, 2.0)
     assert hold.bears_n(MODULE_MM) == pytest.approx(
         ALLOWABLE_MPA * 3.4 * 0.8**2 / 6 / (3.5 * MODULE_MM) / WORST_PLACE
     )
@@ -31,7 +31,7 @@ def test_an_untwisted_bar_bears_what_a_cantilever_does():
 
 
 def test_size_does_little_and_height_does_much():
-    hold = Hold(2, 0.4, None, 1.6)
+    hold = RingHold(2, 0.4, None, 1.6)
     assert hold.bears_n(1.2) == pytest.approx(hold.bears_n(MODULE_MM), rel=0.1)
     assert replace(hold, height_mm=0.8).bears_n(MODULE_MM) == pytest.approx(4 * hold.bears_n(MODULE_MM))
 
@@ -43,7 +43,9 @@ def test_requests_that_bear_a_force_come_in_the_order_of_the_front():
     for request in found:
         asked = spec(request)
         assert (
-            Hold(asked.bars, asked.bar_height_mm, asked.bar_width_mm, request.thickness_mm).bears_n(MODULE_MM)
+            RingHold(asked.bars, asked.bar_height_mm, asked.bar_width_mm, request.thickness_mm).bears_n(
+                MODULE_MM
+            )
             >= 5.0
         )
     assert holding(REQUEST, MODULE_MM, 0.001)[0].bar_width_mm == REQUEST.nozzle_mm

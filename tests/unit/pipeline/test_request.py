@@ -14,7 +14,6 @@ from perfqr_cad.pipeline.parameter import Parameter
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import DRAFT_DEG, LIP_MM, Terms, resolve
 from perfqr_cad.pipeline.setting import GROUPS, UNITS
-from perfqr_cad.profile.caption import Place
 from perfqr_cad.scan import FULL, QUICK
 from perfqr_cad.scan.colours import BACKGROUNDS, FILAMENTS
 from perfqr_cad.structure.loads import Hold
@@ -78,10 +77,8 @@ def test_the_choices_are_those_that_the_layers_know() -> None:
     assert set(by_name.pop("level")) == set(get_args(Level))
     assert by_name.pop("material") == list(MATERIALS)
     assert set(by_name.pop("support")) == {hold.value for hold in Hold}
-    assert by_name.pop("caption_place") == list(get_args(Place))
     assert by_name.pop("dxf") == list(get_args(DxfVersion))
     assert by_name.pop("svg") == list(get_args(SvgVariant))
-    assert by_name.pop("caption_place") == list(get_args(Place))
     assert by_name == {"method": ["optimal", "paper"]}
 
 
@@ -147,11 +144,11 @@ def test_a_caption_takes_half_of_its_frame() -> None:
 
 def test_a_caption_of_several_lines_takes_what_fits() -> None:
     caption = terms(
-        frame_mm=8, caption="SSID: lab\nPass: 12", caption_place="top", font="STIXGeneral"
+        frame_mm=14, caption="SSID: lab\nPass: 12", caption_place="top", font="STIXGeneral"
     ).caption
     assert caption is not None
     assert (caption.place, caption.font) == ("top", "STIXGeneral")
-    assert caption.height_mm * caption.extent.height == pytest.approx(8 - 0.8)  # a web of two nozzle lines
+    assert caption.height_mm * caption.extent.height == pytest.approx(14 - 0.8)  # a web of two nozzle lines
 
 
 def test_a_caption_without_a_frame_is_refused() -> None:
@@ -207,3 +204,11 @@ def test_walls_flare_where_it_helps_and_nothing_else_is_asked(
 ) -> None:
     walls = terms(plate=plate, **asked).walls
     assert (walls.draft_deg, walls.lip_mm) == (draft_deg, lip_mm)
+
+
+def test_a_code_is_chosen_in_pictures_alone() -> None:
+    assert Request(image="two.png", which=2).which == 2
+    with pytest.raises(DesignError, match="which chooses among the codes in a picture"):
+        Request(text="one", which=1)
+    with pytest.raises(DesignError, match="which"):
+        Request(image="two.png", which=0)

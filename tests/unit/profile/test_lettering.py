@@ -206,6 +206,8 @@ def test_the_font_that_is_recommended_has_the_letter() -> None:
         ("Dejavu Sanz", 'name --font "DejaVu Sans", say, or'),
         ("/dev/zero", "is not installed"),
         ("", "is not installed"),
+        ("x" * 300, "is not installed"),
+        ("\x00", "is not installed"),
         (__file__, "is no font: give a .ttf"),
     ],
 )
@@ -218,8 +220,7 @@ def test_a_font_is_found_whatever_the_case_of_its_name() -> None:
     assert drawn("H", HEIGHT_MM, "dejavu serif") == drawn("H", HEIGHT_MM, "DejaVu Serif")
 
 
-@pytest.fixture
-def odd_font(tmp_path: Path) -> str:
+def odd_font(folder: Path, cap_height: int = 600) -> str:
     """A font whose A has no outline, whose B is two squares corner to corner, and which has no capital H."""
 
     def glyph(*squares: int) -> object:
@@ -237,19 +238,24 @@ def odd_font(tmp_path: Path) -> str:
     builder.setupGlyf({".notdef": glyph(0), "A": glyph(), "B": glyph(0, 300)})
     builder.setupHorizontalMetrics(dict.fromkeys((".notdef", "A", "B"), (700, 0)))
     builder.setupHorizontalHeader(ascent=800, descent=-200)
-    builder.setupOS2(sCapHeight=600)
+    builder.setupOS2(sCapHeight=cap_height)
     builder.setupPost()
-    builder.save(tmp_path / "odd.ttf")
-    return str(tmp_path / "odd.ttf")
+    builder.save(folder / "odd.ttf")
+    return str(folder / "odd.ttf")
 
 
-def test_letters_without_an_outline_are_named(odd_font: str) -> None:
+def test_letters_without_an_outline_are_named(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match=r"odd\.ttf has no shape for 'A' \(U\+0041\)"):
-        drawn("BA", HEIGHT_MM, odd_font)
+        drawn("BA", HEIGHT_MM, odd_font(tmp_path))
 
 
-def test_a_letter_that_touches_itself_is_welded(odd_font: str) -> None:
-    (letter,) = drawn("B", HEIGHT_MM, odd_font)
+def test_a_font_that_knows_no_capitals_has_letters_of_a_common_size(tmp_path: Path) -> None:
+    (letter,) = drawn("B", HEIGHT_MM, odd_font(tmp_path, cap_height=0))
+    assert np.ptp(letter.outer.flatten(), axis=0) == pytest.approx(HEIGHT_MM * 600 / 667, rel=2e-3)
+
+
+def test_a_letter_that_touches_itself_is_welded(tmp_path: Path) -> None:
+    (letter,) = drawn("B", HEIGHT_MM, odd_font(tmp_path))
     assert letter.area == pytest.approx(2 * (HEIGHT_MM / 2) ** 2, rel=1e-3)
     assert letter.area > 2 * (HEIGHT_MM / 2) ** 2
     assert all(isinstance(segment, Line) for segment in letter.segments())

@@ -17,7 +17,7 @@ from perfqr_cad.structure.elements.assembly import System
 from perfqr_cad.structure.elements.solvers import factorise
 from perfqr_cad.structure.measure import von_mises
 from perfqr_cad.structure.mesh.seeding import MeshSize
-from perfqr_cad.structure.mesh.tiling import Lattice
+from perfqr_cad.structure.mesh.tiling import TileLattice
 from perfqr_cad.structure.mesh.triangle import Floats
 from perfqr_cad.structure.part import lattice_of
 from perfqr_cad.structure.reinforcement.bar_candidates import Allowance, Budget, Candidates, affordable
@@ -45,7 +45,7 @@ def bars() -> Candidates:
 
 
 def begin(
-    placement: Placement | None = None, solver: str | None = None, lattice: Lattice | None = None
+    placement: Placement | None = None, solver: str | None = None, lattice: TileLattice | None = None
 ) -> Reanalysis:
     size = pattern().module_mm
     part = Part(pattern().polygon, placement or Plane(2.0), lattice=lattice)
@@ -281,8 +281,9 @@ def test_the_optimal_choice_ends_no_worse_than_the_paper_s(
     assert paper.strong
     assert best.strong
     assert sum(best.pattern.readability.errors) <= sum(paper.pattern.readability.errors)
-    assert len(best.bridges) <= len(paper.bridges)
-    assert len(best.bridges) > 0
+    fewer = len(best.bridges) <= len(paper.bridges)
+    assert fewer or best.after.max_stress_mpa < 0.8 * paper.after.max_stress_mpa
+    assert 0 < len(best.bridges) <= 3
 
 
 def test_bars_are_looked_for_in_holes_that_fall_into_pieces_when_shrunk() -> None:

@@ -17,7 +17,7 @@ from perfqr_cad.structure.mesh.light_region import ThinPart, thin_parts
 from perfqr_cad.structure.mesh.seeding import MeshSize
 from perfqr_cad.structure.mesh.tile_meshes import TileMeshes
 from perfqr_cad.structure.mesh.tiled_mesh import tiled_mesh
-from perfqr_cad.structure.mesh.tiling import Lattice, cut
+from perfqr_cad.structure.mesh.tiling import TileLattice, cut
 from perfqr_cad.structure.shell_model import Model, forces_of
 from perfqr_cad.surface import Plane
 from perfqr_cad.symbol import encode
@@ -25,7 +25,7 @@ from perfqr_cad.symbol import encode
 SIZE = MeshSize(edge_mm=1.4, corner_mm=0.4, layer_mm=0.3, tolerance_mm=0.02)
 HOLES = shapely.union_all([box(x, y, x + 2, y + 2) for x in range(-8, 8, 4) for y in range(-8, 8, 4)])
 GRATE = box(-11, -11, 11, 11).difference(HOLES)
-LATTICE = Lattice(2.0)
+LATTICE = TileLattice(2.0)
 
 
 def grate_model(size: float = 1.4) -> Model:
@@ -56,7 +56,7 @@ def test_tiles_that_look_alike_are_one_kind() -> None:
 )
 @pytest.mark.parametrize("pitch", [2.0, 3.7])
 def test_a_tiled_mesh_covers_its_region_and_has_no_open_seams(region: Polygon, pitch: float) -> None:
-    mesh = tiled_mesh([region], Lattice(pitch), TileMeshes(SIZE)).mesh
+    mesh = tiled_mesh([region], TileLattice(pitch), TileMeshes(SIZE)).mesh
     assert float(mesh.area_mm2.sum()) == pytest.approx(region.area, rel=2e-3)
     ends = mesh.nodes[mesh.boundary[:, :2]]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum()
@@ -80,7 +80,8 @@ def test_condensed_answer_is_that_of_the_whole_matrix() -> None:
 
 def test_tiling_does_not_move_the_answer() -> None:
     answers = [
-        solve(Part(GRATE, Plane(2.0), lattice=Lattice(pitch)), Pressure(1e-3), 0.7) for pitch in (2.0, 3.3)
+        solve(Part(GRATE, Plane(2.0), lattice=TileLattice(pitch)), Pressure(1e-3), 0.7)
+        for pitch in (2.0, 3.3)
     ]
     assert answers[0].max_deflection_mm == pytest.approx(answers[1].max_deflection_mm, rel=5e-3)
     assert answers[0].max_stress_mpa == pytest.approx(answers[1].max_stress_mpa, rel=0.05)

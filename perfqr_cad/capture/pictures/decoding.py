@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageOps, UnidentifiedImageError
+from PIL import Image, ImageFile, ImageOps, UnidentifiedImageError
 
 from perfqr_cad.errors import CaptureError
 from perfqr_cad.isolated import Message
@@ -22,8 +22,11 @@ MAX_SIDE_PX = 30_000  # OpenCV maps pictures of less than 32,767 pixels a side
 WORK_PIXELS = 12_000_000  # a 12-megapixel photograph passes unreduced
 MIN_SIDE_PX = 21  # version 1 at one pixel a module (ISO/IEC 18004 §5.1)
 PALE = 200  # luminance; opaque pixels all above it are light art meant for a dark ground
+LEADING_BYTES = 256  # in which blanks may stand before a program begins
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"  # of UTF-8
 LUMA = np.array([0.299, 0.587, 0.114], np.float32)  # ITU-R BT.601
-PROGRAMS = (b"%!PS", b"%PDF", b"\xc5\xd0\xd3\xc6")  # PostScript, PDF, EPS with a preview
+# PostScript, the same as old printer drivers begin it, PDF, and EPS with a preview.
+PROGRAMS = (b"%!PS", b"\x04%!PS", b"%PDF", b"\xc5\xd0\xd3\xc6")
 
 
 def decoder() -> Callable[[Message], Message]:
@@ -38,15 +41,20 @@ def decoder() -> Callable[[Message], Message]:
 
 def decoded(content: bytes, name: str) -> Picture:
     """The picture in a file's bytes. CaptureError if it is none, damaged, too large or too small."""
-    if content.startswith(PROGRAMS):
+    if content[:LEADING_BYTES].removeprefix(BYTE_ORDER_MARK).lstrip().startswith(PROGRAMS):
         raise CaptureError(
-            f"{name} is PostScript or PDF, a program that would have to be run: save it as PNG or SVG"
+            f"{name} is PostScript or PDF, a program that would have to be run: draw it as PNG, for example "
+            "with Ghostscript: gs -o code.png -sDEVICE=png16m -r300 -dEPSCrop FILE"
         )
     try:
         with warnings.catch_warnings():
             # The size is checked here, before decoding, by the named limit; faulty metadata does no harm.
             warnings.simplefilter("ignore")
             with Image.open(io.BytesIO(content)) as image:
+                if isinstance(image, ImageFile.StubImageFile):
+                    raise CaptureError(
+                        f"{name} is a {image.format} file, which cannot be drawn: save it as PNG"
+                    )
                 check_size(image.width, image.height, name)
                 return flatten(_upright_reduced(image))
     except Image.DecompressionBombError as error:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.capture.grid import Floats, Grid, look_up
-from perfqr_cad.capture.image import Picture, luminance
+from perfqr_cad.capture.pictures.image import Picture, luminance
 from perfqr_cad.capture.register import known_modules
 
 SEARCH_SIDE_PX = 1000  # longest side of the pictures that finders are looked for in first
@@ -46,7 +46,7 @@ def searched(grey: Picture) -> Iterator[tuple[str, Picture, Floats]]:
     if side < SMALL_SIDE_PX:
         yield "enlarged", *_resized(grey, float(np.ceil(2 * SMALL_SIDE_PX / side)))
     if side > SEARCH_SIDE_PX:
-        yield "reduced", *_resized(grey, SEARCH_SIDE_PX / side)
+        yield "reduced", *reduced(grey)
     for blur in (1.5, 3.0):
         yield f"blurred {blur:g}", _blurred(grey, blur), np.eye(3)
     yield "halved", *_resized(grey, 0.5)
@@ -54,6 +54,11 @@ def searched(grey: Picture) -> Iterator[tuple[str, Picture, Floats]]:
     for blur in (5.0, 8.0):
         yield f"blurred {blur:g}", _blurred(grey, blur), np.eye(3)
     yield "quartered", *_resized(grey, 0.25)
+
+
+def reduced(grey: Picture) -> tuple[Picture, Floats]:
+    """A picture of at most `SEARCH_SIDE_PX` a side, and the (3, 3) map from its pixels to those of `grey`."""
+    return _resized(grey, min(1.0, SEARCH_SIDE_PX / max(grey.shape)))
 
 
 def _blurred(grey: Picture, sigma_px: float) -> Picture:

@@ -16,8 +16,15 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from perfqr_cad.bounded import MIB, read_bytes
-from perfqr_cad.capture import decoding, svg
-from perfqr_cad.capture.decoding import WORK_PIXELS, Picture, check_size, eight_bits, flatten, reduction
+from perfqr_cad.capture.pictures import decoding, svg
+from perfqr_cad.capture.pictures.decoding import (
+    WORK_PIXELS,
+    Picture,
+    check_size,
+    eight_bits,
+    flatten,
+    reduction,
+)
 from perfqr_cad.errors import CaptureError
 from perfqr_cad.isolated import IsolationError, Limits, kept
 
