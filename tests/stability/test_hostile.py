@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from perfqr_cad import catalog
-from perfqr_cad.capture import image, load_image
+from perfqr_cad.capture import attempts, load_image, read
+from perfqr_cad.capture.pictures import image
 from perfqr_cad.errors import (
     AnalysisError,
     CaptureError,
@@ -76,9 +77,9 @@ def refused(door: Door, path: Path, error: type[PerfQRError]) -> str:
 
 @pytest.mark.parametrize(("door", "name"), CASES)
 def test_a_hostile_file_is_one_line(tmp_path: Path, door: str, name: str) -> None:
-    read, error, files = DOORS[door]
+    opened, error, files = DOORS[door]
     (tmp_path / name).write_bytes(files[name])
-    assert Path(name).stem in refused(read, tmp_path / name, error)
+    assert Path(name).stem in refused(opened, tmp_path / name, error)
 
 
 SUFFIX = {"picture": "png", "drawing": "svg", "mesh": "stl", "solid": "step", "set": "json",
@@ -88,7 +89,7 @@ SUFFIX = {"picture": "png", "drawing": "svg", "mesh": "stl", "solid": "step", "s
 @pytest.mark.parametrize("kind", ["device", "pipe", "folder", "missing", "linked", "circular", "long"])
 @pytest.mark.parametrize("door", DOORS)
 def test_what_is_no_file_is_not_opened(tmp_path: Path, door: str, kind: str) -> None:
-    read, error, _ = DOORS[door]
+    opened, error, _ = DOORS[door]
     path = tmp_path / f"a.{SUFFIX[door]}"
     match kind:
         case "device":
@@ -106,17 +107,17 @@ def test_what_is_no_file_is_not_opened(tmp_path: Path, door: str, kind: str) -> 
             path = tmp_path / f"{'a' * 300}.{SUFFIX[door]}"
         case _:
             pass
-    line = refused(read, path, error)
+    line = refused(opened, path, error)
     says = {"device": "a device", "pipe": "a pipe", "linked": "a pipe", "folder": "a folder"}
     assert says.get(kind, "cannot be read") in line
 
 
 def test_a_file_beyond_its_size_is_not_read(tmp_path: Path) -> None:
-    for door, (read, error, _) in DOORS.items():
+    for door, (opened, error, _) in DOORS.items():
         path = tmp_path / f"{door}.{SUFFIX[door]}"
         with path.open("wb") as file:
             file.truncate(2**40)  # a hole: it takes no room on the disk
-        assert "the limit is" in refused(read, path, error)
+        assert "the limit is" in refused(opened, path, error)
 
 
 @pytest.mark.parametrize("name", [*hostile.STEPS])
@@ -137,6 +138,13 @@ def test_a_soup_of_triangles_gets_no_code(tmp_path: Path, count: int) -> None:
 def test_a_jpeg_of_thousands_of_scans_ends(tmp_path: Path) -> None:
     (tmp_path / "scans.jpg").write_bytes(hostile.many_scans())
     assert "no end after 1 s" in refused(load_image, tmp_path / "scans.jpg", CaptureError)
+
+
+def test_a_search_in_noise_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(attempts, "SEARCH_CPU_S", 1.0)
+    noise = np.random.default_rng(0).integers(0, 256, (1500, 1500), np.uint8)
+    with pytest.raises(CaptureError, match=r"no QR code .* s of computing: crop the picture"):
+        read(noise)
 
 
 def test_drawings_within_limits_are_drawn(tmp_path: Path) -> None:
