@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,7 +27,11 @@ MAX_WORDS = 160  # letters of what a process said last
 
 @dataclass
 class Process:
-    """A child and our ends of what connects us. `ready`: it has said that it is."""
+    """A child and our ends of what connects us.
+
+    ready       whether it has said that it is
+    peak_bytes  the most memory it had, once it has ended
+    """
 
     child: subprocess.Popen[bytes]
     channel: socket.socket
@@ -34,6 +39,7 @@ class Process:
     stderr: IO[bytes]
     owner: int = field(default_factory=os.getpid)
     ready: bool = False
+    peak_bytes: int = 0
 
     @staticmethod
     def started(settings: dict[str, Any]) -> Process:
@@ -83,10 +89,14 @@ class Process:
 
     def exit_code(self) -> int:
         """How it ended, once its end of the channel is closed; below 0: by which signal."""
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            return self.child.wait(timeout=LOOK_S)
-        self.kill()
-        return self.child.wait()
+        if self.child.returncode is None:
+            timer = threading.Timer(LOOK_S, self.kill)  # it closed the channel and goes on
+            timer.start()
+            _, status, usage = os.wait4(self.child.pid, 0)
+            timer.cancel()
+            self.peak_bytes = usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+            self.child.returncode = os.waitstatus_to_exitcode(status)
+        return self.child.returncode
 
     def kill(self) -> None:
         """End it with whatever it has started."""

@@ -31,7 +31,7 @@ from perfqr_cad.isolated import (
     wire,
 )
 from perfqr_cad.isolated.process import LOOK_S
-from perfqr_cad.isolated.worker import READING_S, reading_limits
+from perfqr_cad.isolated.worker import READING_GB, READING_S, reading_limits
 
 HEAD = """
 import ctypes, os, random, signal, sys
@@ -96,6 +96,8 @@ def test_errors_of_ours_come_back_as_themselves(job: Job) -> None:
         ("os._exit(3)", Crashed, "exit code 3"),
         ("sys.exit('bye')", Crashed, "exit code 1: bye"),
         ("return Message(None, (bytearray(2**30),))", OutOfMemory, r"needs more than 0\.4 GB of memory"),
+        ("x = np.ones(50 * 2**17); os.abort()", Crashed, "SIGABRT"),
+        ("x = np.ones(385 * 2**17); os.abort()", OutOfMemory, r"0\.4 GB"),
         ("os.write(2, b'memory allocation of 9 bytes failed'); os.abort()", OutOfMemory, "0.4 GB"),
         ("while True: pass", OutOfTime, r"^no end after 0\.3 s of computing$"),
     ],
@@ -240,14 +242,22 @@ def test_refusals_name_the_file_the_reason_and_the_remedy(job: Job, monkeypatch:
     refusal = Refusal(KernelError, "a.stl cannot be read", "export it again")
     with pytest.raises(KernelError, match=r"^a\.stl cannot be read \(crashed by SIGABRT\): export it again$"):
         once(job("os.abort()"), (), Message(), refusal)
-    with pytest.raises(KernelError, match=rf"no end after 0\.2 s of computing.*or allow more .*{READING_S}$"):
+    with pytest.raises(
+        KernelError, match=rf"no end after 0\.2 s of computing\): simplify it, .* {READING_S}$"
+    ):
         once(job("while True: pass"), (), Message(), refusal)
     monkeypatch.setenv(READING_S, "30")  # the remedy
     assert once(job("sum(range(10**7)); return Message(7)"), (), Message(), refusal).value == 7
+    body = job("return Message(len(bytearray(5 * 10**8)))")
+    monkeypatch.setenv(READING_GB, "0.4")
+    with pytest.raises(KernelError, match=rf"more than 0\.4 GB of memory\): simplify it, .* {READING_GB}$"):
+        once(body, (), Message(), refusal)
+    monkeypatch.setenv(READING_GB, "0.8")
+    assert once(body, (), Message(), refusal).value == 5 * 10**8
 
 
 @pytest.mark.parametrize("allowed", ["much", "nan", "-1", "0", "1e9"])
-def test_a_time_that_is_none_is_refused(monkeypatch: pytest.MonkeyPatch, allowed: str) -> None:
+def test_a_bound_that_is_none_is_refused(monkeypatch: pytest.MonkeyPatch, allowed: str) -> None:
     monkeypatch.setenv(READING_S, allowed)
     with pytest.raises(DesignError, match=f"{READING_S}='{allowed}'"):
         reading_limits()
