@@ -62,8 +62,9 @@ def _work(work: Callable[[], int], parent: int) -> None:
         code = work()
         sys.stdout.flush()
     finally:
-        if sys.exc_info()[0] is not None:
-            sys.excepthook(*sys.exc_info())
+        kind, error, trace = sys.exc_info()
+        if kind is not None and error is not None:
+            sys.excepthook(kind, error, trace)
         sys.stderr.flush()
         os._exit(code)
 

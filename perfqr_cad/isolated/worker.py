@@ -93,8 +93,8 @@ class Worker:
         with self._lock:
             answer = self._exchange(self._running(), Message(value, arrays))
         if "error" in answer.value:
-            kind, text = answer.value["error"]
-            _raise(kind, text, self._limits)
+            kind, told = answer.value["error"]
+            _raise(kind, told, self._limits)
         return Message(answer.value["answer"], answer.arrays)
 
     def stop(self) -> None:

@@ -91,9 +91,9 @@ def flattened(
     for k in range(max(len(loft.loops) for loft in lofts)):
         deep = [i for i, loft in enumerate(lofts) if len(loft.loops) > k]
         segments = [segment for i in deep for segment in lofts[i].loops[k].segments]
-        flat = corners(segments, np.concatenate([by_loft[i] for i in deep]))
+        points = corners(segments, np.concatenate([by_loft[i] for i in deep]))
         bounds = np.cumsum([int(by_loft[i].sum()) for i in deep])[:-1]
-        for i, polygon in zip(deep, np.split(flat, bounds), strict=True):
+        for i, polygon in zip(deep, np.split(points, bounds), strict=True):
             polygons[i].append(polygon)
     return [FlatLoft(loft, tuple(p), n) for loft, p, n in zip(lofts, polygons, by_loft, strict=True)]
 

@@ -126,7 +126,7 @@ def _search(pattern: Pattern, part: Part, case: Case) -> Search:
     found: list[Way] = []
     for load in hand.loads:
         if load.name == "fingertip":
-            kinds = (partial(presses_ring, pattern), lambda place: not presses_ring(pattern, place))
+            kinds = (partial(presses_ring, pattern), partial(_clear_of_rings, pattern))
             found += [
                 Way(load, push) for kind in worst_fingertips(hand, kinds, FINGERTIPS_SOUGHT) for push in kind
             ]
@@ -135,6 +135,10 @@ def _search(pattern: Pattern, part: Part, case: Case) -> Search:
         stresses = model.largest_at_centres(hand.solve(ways)[1])
         found.append(ways[int(np.argmax(stresses))])
     return Search(hand, tuple(found))
+
+
+def _clear_of_rings(pattern: Pattern, at_mm: tuple[float, float]) -> bool:
+    return not presses_ring(pattern, at_mm)
 
 
 def _compared(pattern: Pattern, search: Search) -> list[Way]:

@@ -14,7 +14,7 @@ from perfqr_cad.hosts.step import ImportedFace
 from perfqr_cad.pattern import Pattern, PatternSpec, build
 from perfqr_cad.profile import Walls
 from perfqr_cad.scan import Look, Scene, View, place
-from perfqr_cad.scan.decoding.decoders import load
+from perfqr_cad.scan.decoding.decoders import CORE, load
 from perfqr_cad.solid import read_step, write_step
 from perfqr_cad.solid.kernel import occ
 from perfqr_cad.symbol import encode
@@ -74,7 +74,8 @@ def test_a_code_reads(name: str, tmp_path: Path) -> None:
     picture = Scene(place(part.triangles, placement, edge_mm=case.size_mm)).photo(
         View(fill=0.6, size_px=600), Look()
     )
-    assert all(TEXT.encode() in load(decoder)(picture) for decoder in ("wechat", "zbar"))
+    readers = [decoder for decoder in CORE if TEXT.encode() in load(decoder)(picture)]
+    assert len(readers) >= 2, readers  # as the chain asks of every part
 
 
 @pytest.mark.parametrize("name", REFUSED)

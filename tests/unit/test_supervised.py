@@ -23,7 +23,7 @@ from perfqr_cad.export.staging import staged
 folder = Path(sys.argv[1])
 
 def stuck():
-    with staged(folder / "made", create=True) as stage:
+    with staged(folder / "made") as stage:
         (stage / "half.step").write_text("half")
         print("ready", os.getpid(), flush=True)
         ctypes.PyDLL(None).sleep(600)  # native code that never lets Python act

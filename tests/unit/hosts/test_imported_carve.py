@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import zxingcpp
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
 from OCP.gp import gp_Pnt
 
@@ -17,6 +16,7 @@ from perfqr_cad.geometry.outline import Region
 from perfqr_cad.hosts.step import ImportedFace
 from perfqr_cad.hosts.step.prism import prism
 from perfqr_cad.profile.walls import Walls
+from perfqr_cad.scan.decoding.decoders import CORE, load
 from perfqr_cad.solid.kernel import booleans as kernel
 from perfqr_cad.solid.kernel import occ
 
@@ -160,8 +160,7 @@ def test_the_code_reads_from_outside_and_is_not_mirrored(tmp_path: Path) -> None
         target = ImportedFace(path, point=(0.0, -30.0, 25.0), wrap=wrap)
         placement = target.placement(22.0)
         image = seen(target.solid(pattern, placement, STRAIGHT).triangles, placement, 22.0)
-        found = zxingcpp.read_barcodes(image)
-        assert [b.text for b in found] == ["PERFQR"]
+        assert any(b"PERFQR" in load(decoder)(image) for decoder in CORE)
         top_left = placement.point([(-5.0, 5.0)])[0] - placement.point([(0.0, 0.0)])[0]
         e1, e2, n = placement.frame_at_centre.axes
         assert top_left @ e1 < 0 < top_left @ e2

@@ -40,7 +40,7 @@ def test_the_certificate_agrees_with_the_design(design: Design) -> None:
     bars = design.pattern.region.area - front
     volume = front * 1.6 + bars * design.pattern.spec.bar_height_mm
     assert certificate["solid"]["volume_mm3"] == pytest.approx(volume, rel=1e-9)
-    assert certificate["structure"]["safety_factor"] > 1
+    assert 0 < certificate["structure"]["safety_factor"] < 1  # a fingertip on a ring; docs/strength.md
     assert certificate["files"] == []
 
 

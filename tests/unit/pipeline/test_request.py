@@ -79,6 +79,7 @@ def test_the_choices_are_those_that_the_layers_know() -> None:
     assert set(by_name.pop("support")) == {hold.value for hold in Hold}
     assert by_name.pop("dxf") == list(get_args(DxfVersion))
     assert by_name.pop("svg") == list(get_args(SvgVariant))
+    assert by_name.pop("caption_place") == ["bottom", "top"]
     assert by_name == {"method": ["optimal", "paper"]}
 
 

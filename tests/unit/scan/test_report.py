@@ -139,7 +139,7 @@ def test_what_is_no_part_is_refused(folder, tmp_path):
     (tmp_path / "design.json").write_text("{}")
     with pytest.raises(DesignError, match="no certificate"):
         scan.part(tmp_path / "design.json")
-    with pytest.raises(KernelError, match="does not exist"):
+    with pytest.raises(KernelError, match="cannot be read"):
         scan.part(tmp_path / "none.stl")
 
 
@@ -156,17 +156,17 @@ def test_what_has_no_area_or_cannot_be_read_is_refused(tmp_path):
 
     flat = trimesh.Trimesh([[0, 0, 0], [0, 0, 0], [0, 0, 0]], [[0, 1, 2]], process=False)
     flat.export(tmp_path / "flat.stl")
-    with pytest.raises(KernelError, match="no area"):
+    with pytest.raises(KernelError, match="none with an area"):
         scan.part(tmp_path / "flat.stl", "x", schedule=ONCE, decoders=("zbar",))
     (tmp_path / "garbage.3mf").write_bytes(b"PK\x03\x04 nothing of the kind")
-    with pytest.raises(KernelError, match="can be read"):
+    with pytest.raises(KernelError, match="garbage.3mf"):
         scan.part(tmp_path / "garbage.3mf", "x", schedule=ONCE, decoders=("zbar",))
 
 
 def test_a_part_of_kilometres_is_filmed_with_few_sections(tmp_path):
     import trimesh
 
-    trimesh.creation.box((3e7, 3e7, 1e6)).export(tmp_path / "huge.stl")
+    trimesh.creation.box((1.9e7, 1.9e7, 1e6)).export(tmp_path / "huge.stl")
     with pytest.raises(AnalysisError, match="read nothing"):
         scan.part(tmp_path / "huge.stl", schedule=ONCE, decoders=("zbar",))
 
