@@ -159,7 +159,7 @@ def test_what_has_no_area_or_cannot_be_read_is_refused(tmp_path):
     with pytest.raises(KernelError, match="none with an area"):
         scan.part(tmp_path / "flat.stl", "x", schedule=ONCE, decoders=("zbar",))
     (tmp_path / "garbage.3mf").write_bytes(b"PK\x03\x04 nothing of the kind")
-    with pytest.raises(KernelError, match="garbage.3mf"):
+    with pytest.raises(KernelError, match=r"garbage\.3mf"):
         scan.part(tmp_path / "garbage.3mf", "x", schedule=ONCE, decoders=("zbar",))
 
 
