@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import resource
 import signal
 import socket
 import subprocess
@@ -30,7 +31,7 @@ class Process:
     """A child and our ends of what connects us.
 
     ready       whether it has said that it is
-    peak_bytes  the most memory it had, once it has ended
+    peak_bytes  the most memory it had, once it has ended; 0 if that was less than this process had before
     """
 
     child: subprocess.Popen[bytes]
@@ -40,6 +41,7 @@ class Process:
     owner: int = field(default_factory=os.getpid)
     ready: bool = False
     peak_bytes: int = 0
+    before: int = field(default_factory=lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 
     @staticmethod
     def started(settings: dict[str, Any]) -> Process:
@@ -94,7 +96,8 @@ class Process:
             timer.start()
             _, status, usage = os.wait4(self.child.pid, 0)
             timer.cancel()
-            self.peak_bytes = usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+            # Before it was another program it was a copy of this one, which the system counts.
+            self.peak_bytes = _in_bytes(usage.ru_maxrss) if usage.ru_maxrss > self.before else 0
             self.child.returncode = os.waitstatus_to_exitcode(status)
         return self.child.returncode
 
@@ -142,6 +145,11 @@ class _Patience:
 def _installed() -> list[str]:
     """Folders of installed packages on this process's path; the current one and a script's are none."""
     return [site for site in sys.path if Path(site).name in ("site-packages", "dist-packages")]
+
+
+def _in_bytes(maxrss: int) -> int:
+    """Of a figure of getrusage(2)."""
+    return maxrss if sys.platform == "darwin" else 1024 * maxrss
 
 
 def _cpu_s(pid: int) -> float:
