@@ -25,6 +25,7 @@ REASONS: dict[str, str] = {
     "certificate.py": "the pipeline makes it, export writes it as JSON",
     "colours.py": MIRROR,
     "finder.py": MIRROR,
+    "freedom.py": MIRROR,
     "pattern.py": MIRROR,
     "reader.py": "one for each kind of input, in its folder",
     "svg.py": "capture reads drawings, export writes them",

@@ -44,10 +44,17 @@ class Request:
         "M", "error correction level", group="Code", choices=("L:7 %", "M:15 %", "Q:25 %", "H:30 %")
     )
     version: int | None = setting(
-        None, "symbol version", group="Code", range=(1, 40), empty="the smallest that fits"
+        None, "symbol version", group="Code", range=(1, 40), empty="the smallest that fits, or the next"
     )
     mask: int | None = setting(
-        None, "mask of the symbol", group="Code", range=(0, 7), empty="the one that needs the least joining"
+        None, "mask of the symbol", group="Code", range=(0, 7), empty="the one that needs the fewest bridges"
+    )
+    freedom: str = setting(
+        "mask,segment,pad,version",
+        "what of a text's code may be chosen so that it needs fewer bridges, with commas between: mask,"
+        " segment (cut in several modes), pad (bits after its end), version (the next larger one); or none",
+        group="Code",
+        max_length=100,
     )
     size_mm: float | None = setting(
         None,

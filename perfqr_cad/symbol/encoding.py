@@ -13,6 +13,7 @@ from perfqr_cad.symbol.galois import parity
 from perfqr_cad.symbol.layout import layout
 from perfqr_cad.symbol.masks import penalty
 from perfqr_cad.symbol.payload import ALPHANUMERIC, payload_of
+from perfqr_cad.symbol.segmentation import segmentation
 from perfqr_cad.symbol.tables import (
     CODEWORD_BITS,
     LEVELS,
@@ -28,8 +29,9 @@ from perfqr_cad.symbol.tables import (
 
 PAD_CODEWORDS: Final = b"\xec\x11"  # §7.4.10, alternately
 TERMINATOR_BITS: Final = 4
+VERSIONS_OF_WIDTH: Final = (9, 26, 40)  # the last ones with equally wide character counts (Table 3)
 
-TextMode = Literal["numeric", "alphanumeric", "byte", "kanji"]
+TextMode = Literal["numeric", "alphanumeric", "byte", "kanji", "mixed"]
 _TEXT_MODES: Final[tuple[TextMode, ...]] = ("numeric", "alphanumeric", "byte")  # shortest first
 
 
@@ -49,7 +51,8 @@ def encode(
     version  1-40; None takes the smallest that fits
     level    error correction level; `boost` raises it as far as the version permits
     mask     0-7; None takes the one with the least penalty (§7.8.3)
-    mode     None takes the first of numeric, alphanumeric and byte that can hold the text
+    mode     None takes the first of numeric, alphanumeric and byte that can hold the text; "mixed" cuts ASCII
+             text into segments so that it takes the fewest bits
     eci      labels text that is not ASCII as UTF-8 (ECI 26); without the label zbar takes it for Shift-JIS
     pads     codewords to put after the terminator instead of 0xEC, 0x11, …, as many as `free_codewords` says
 
@@ -62,8 +65,7 @@ def encode(
     (1, 21, 3)
     """
     level = check_level(level)
-    segments = _segments(text, mode)
-    version = _fitting_version(segments, version, level, eci)
+    segments, version = _fitted(text, mode, version, level, eci)
     if boost:
         level = next(k for k in reversed(LEVELS) if _length(segments, version, eci) <= _capacity(version, k))
     data = _message(segments, version, level, eci, pads)
@@ -102,6 +104,16 @@ def free_codewords(symbol: Symbol) -> int:
     return len(symbol.data) - used
 
 
+def padded(symbol: Symbol) -> Symbol:
+    """The same message padded as §7.4.9 and §7.4.10 prescribe."""
+    free = free_codewords(symbol)
+    used = payload_of(symbol).used_bits
+    bits = np.unpackbits(np.frombuffer(symbol.data, np.uint8))[: CODEWORD_BITS * (len(symbol.data) - free)]
+    bits[used:] = 0
+    data = np.packbits(bits).tobytes() + bytes(islice(cycle(PAD_CODEWORDS), free))
+    return Symbol(symbol.version, symbol.level, symbol.mask, interleave(data, symbol.version, symbol.level))
+
+
 def with_pads(symbol: Symbol, pads: bytes, mask: int | None = None) -> Symbol:
     """The same message with other codewords after the terminator, and another mask if given.
 
@@ -117,6 +129,25 @@ def _check_pads(pads: bytes, free: int) -> int:
     if len(pads) != free:
         raise SymbolError(f"{len(pads)} pad codewords given, {free} are free: give exactly {free}")
     return free
+
+
+def _fitted(
+    text: str | bytes, mode: TextMode | None, version: int | None, level: Level, eci: bool
+) -> tuple[Any, int]:
+    """segno's segments of a message, and the version asked for, or the smallest that fits."""
+    if mode != "mixed" or not isinstance(text, str) or not text.isascii() or not text:
+        segments = _segments(text, None if mode == "mixed" else mode)
+        return segments, _fitting_version(segments, version, level, eci)
+    from segno import consts, encoder
+
+    for last in VERSIONS_OF_WIDTH if version is None else (check_version(version),):
+        parts = segmentation(text, last)
+        segments = encoder.prepare_data(
+            [(part, consts.MODE_MAPPING[name]) for name, part in parts], None, None
+        )
+        if version is not None or _length(segments, last, eci) <= _capacity(last, level):
+            break
+    return segments, _fitting_version(segments, version, level, eci)
 
 
 def _segments(text: str | bytes, mode: TextMode | None) -> Any:
