@@ -13,10 +13,10 @@ from perfqr_cad.symbol.tables import MAX_VERSION
 
 FREEDOMS = ("mask", "segment", "pad", "version")
 MASKS = tuple(range(8))
-MASKS_PURSUED = 2  # of those that come out best at first
-# Modules of symbols that may be looked at: 60 rounds at version 3, and one of each mask at version 40.
+MASKS_PURSUED = 2  # of those that come out best at first; of large symbols one
+# Modules that may be looked at in the rounds of one mask: 60 at version 3, the least at version 40.
 MOST_MODULES = 60_000
-MOST_ROUNDS = 60
+LEAST_ROUNDS, MOST_ROUNDS = 3, 60
 # Smaller modules read less well from aside: the next version must be worth it.
 LEAST_OF_MODULE = (
     0.87  # of the smallest version's module edge; with a quiet zone of 4 the next one always keeps this
@@ -91,12 +91,16 @@ def easiest(
             (space.symbol, joining(space.symbol, solid_is_dark, spec.quiet_modules)) for space in spaces
         ]
         return min(drawings, key=lambda one: one[1].area)
+    affordable = MOST_MODULES // symbol.size**2
+    rounds = min(max(affordable, LEAST_ROUNDS), MOST_ROUNDS)
+    spaces.sort(key=lambda space: joining(space.symbol, solid_is_dark, spec.quiet_modules).area)
+    spaces = spaces[: max(2 * affordable, LEAST_ROUNDS)]
     found: list[tuple[Symbol, Joining]] = []
-    for rounds in (1, max(1, min(MOST_ROUNDS, MOST_MODULES // symbol.size**2))):
-        now = [arranged(space, solid_is_dark, spec.quiet_modules, rounds, spec.seed) for space in spaces]
+    for count in (1, rounds):
+        now = [arranged(space, solid_is_dark, spec.quiet_modules, count, spec.seed) for space in spaces]
         found += now
         order = sorted(range(len(spaces)), key=lambda k: now[k][1].area)
-        spaces = [spaces[k] for k in order[:MASKS_PURSUED]]
+        spaces = [spaces[k] for k in order[: MASKS_PURSUED if affordable > LEAST_ROUNDS else 1]]
     return min(found, key=lambda one: one[1].area)
 
 
