@@ -11,12 +11,18 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from perfqr_cad.content import CONTENTS
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pipeline.parameter import Parameter
 from perfqr_cad.pipeline.setting import declarations, listed, setting
 
 MOST_LETTERS = 7089  # of a payload, all digits: version 40-L, ISO/IEC 18004 Table 7
+# What all kinds of content share (`perfqr_cad.content`): parts, or @FILE with a part a line.
+CONTENT: dict[str, Any] = {"empty": "none", "max_length": MOST_LETTERS, "visible": True}
 MOST_CAPTION = 500  # letters that a frame could bear
+
+
+SOURCES = ("text", "image", "bytes", *CONTENTS)  # exactly one of them is given
 
 
 @dataclass(frozen=True)
@@ -36,6 +42,42 @@ class Request:
     )
     image: str | None = setting(
         None, "a picture of a code, instead of a text", group="Code", empty="none", visible=True
+    )
+    url: str | None = setting(
+        None, "a web address, instead of a text; escaped where needed", group="Code", **CONTENT
+    )
+    wifi: str | None = setting(
+        None, "a login: ssid=…; password=…; security=WPA, WEP or nopass; hidden=yes", group="Code", **CONTENT
+    )
+    vcard: str | None = setting(
+        None, "a business card: name=…; org=…; phone=…; email=…; url=…; city=… …", group="Code", **CONTENT
+    )
+    event: str | None = setting(
+        None, "an event: title=…; start=2027-05-01T10:00; end=…; place=…; text=…", group="Code", **CONTENT
+    )
+    geo: str | None = setting(None, "a place: latitude,longitude in degrees", group="Code", **CONTENT)
+    epc: str | None = setting(
+        None, "a SEPA transfer: name=…; iban=…; amount=…; text=… or reference=…", group="Code", **CONTENT
+    )
+    sms: str | None = setting(None, "a short message: to=+41…; text=…", group="Code", **CONTENT)
+    tel: str | None = setting(None, "a telephone number", group="Code", **CONTENT)
+    email: str | None = setting(None, "a letter: to=…; subject=…; body=…", group="Code", **CONTENT)
+    gs1: str | None = setting(
+        None, "GS1 elements: (01)09506000134352(10)AB-1, marked by FNC1", group="Code", **CONTENT
+    )
+    gs1_link: str | None = setting(
+        None,
+        "a domain, such as https://id.gs1.org: the GS1 elements become an address there (Digital Link)",
+        group="Code",
+        empty="an element string",
+        max_length=200,
+        visible=True,
+    )
+    bytes: str | None = setting(
+        None, "a file whose bytes are the code's content", group="Code", empty="none", visible=True
+    )
+    eci: bool = setting(
+        True, "label text beyond ASCII as UTF-8 (ECI 26); without it old readers guess", group="Code"
     )
     which: int | None = setting(
         None, "which of several codes in the picture", group="Code", range=(1, 100), empty="the only one"
@@ -285,11 +327,16 @@ class Request:
     )
 
     def __post_init__(self) -> None:
-        if (self.text is None) == (self.image is None):
-            raise DesignError("give either a text or a picture (--image FILE), not both and not neither")
+        given = [name for name in SOURCES if getattr(self, name) is not None]
+        if not given:
+            raise DesignError("nothing to encode: give a text, a picture (--image FILE), --url, --wifi, …")
+        if len(given) > 1:
+            raise DesignError(f"{' and '.join(given)} are given together: give one of them, not both")
+        if self.gs1_link is not None and self.gs1 is None:
+            raise DesignError("gs1_link makes an address of GS1 elements, and none are given: give --gs1 too")
         for declared in SETTINGS:
-            given = getattr(self, declared.field)
-            object.__setattr__(self, declared.field, declared.check(given, declared.field))
+            value = declared.check(getattr(self, declared.field), declared.field)
+            object.__setattr__(self, declared.field, value)
         if self.which is not None and self.image is None:
             raise DesignError("which chooses among the codes in a picture, and none is given: leave it out")
         if len([hole for hole in self.hole_mm if len(hole) == 1]) > 1:
