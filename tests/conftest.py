@@ -1,4 +1,4 @@
-"""Two ways of running: the same examples each time (`make test`), or new ones and no skips (`make test-all`)."""
+"""Two ways to run: the same examples each time (`make test`), or new ones without skips (`make test-all`)."""
 
 from __future__ import annotations
 

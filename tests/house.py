@@ -14,10 +14,22 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1] / "perfqr_cad"
-MOST_FILES, MOST_LINES, MOST_FUNCTION_LINES, MOST_ARGUMENTS = 16, 300, 60, 8
+MOST_FILES, MOST_LINES, MOST_FUNCTION_LINES, MOST_ARGUMENTS = 16, 330, 60, 8
 
 # Place -> why it may be larger than the rest, or why two things share a name.
-REASONS: dict[str, str] = {}
+MIRROR = "benchmarks and experiments carry the name of what they measure"
+REASONS: dict[str, str] = {
+    "cli.py:make": "the options of the shell; settings of the part come from their declarations",
+    "scan/proof.py:certify": "a public entry, five of its arguments by keyword with a default",
+    "capture.py": MIRROR,
+    "certificate.py": "the pipeline makes it, export writes it as JSON",
+    "colours.py": MIRROR,
+    "finder.py": MIRROR,
+    "pattern.py": MIRROR,
+    "reader.py": "one for each kind of input, in its folder",
+    "svg.py": "capture reads drawings, export writes them",
+    "worker.py": "the process that runs foreign code, and the decoders that run in it",
+}
 
 
 @dataclass(frozen=True)
