@@ -173,9 +173,8 @@ def _cut(path: Path, height_mm: float) -> NDArray[np.uint8]:
     low, high = np.min(cut.vertices, axis=0)[:2], np.max(cut.vertices, axis=0)[:2]
     scale = PICTURE_PX / float(np.max(high - low))
     picture = np.zeros(np.ceil((high - low) * scale).astype(int)[::-1], np.uint8)
-    cv2.fillPoly(
-        picture, [np.rint((loop - low) * scale).astype(np.int32) for loop in loops], (255,)
-    )  # even-odd
+    pixels = [np.rint((loop - low) * scale).astype(np.int32) for loop in loops]
+    cv2.fillPoly(picture, pixels, (255,))  # all at once: even-odd
     return np.flipud(picture)
 
 
