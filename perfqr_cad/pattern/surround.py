@@ -145,7 +145,7 @@ def _check(outer: Loop, holes: Sequence[Hole], code: Sequence[Loop], size_mm: fl
         if outside < radius:
             raise DesignError(
                 f"{name} cuts into the quiet zone, which ends {size_mm / 2:g} mm from the centre: "
-                "move it out or take a wider --frame"
+                "move it out (a hole in the corners moves with a wider --frame)"
             )
         for other in holes[:i]:
             between = math.dist((hole.x_mm, hole.y_mm), (other.x_mm, other.y_mm)) - radius
