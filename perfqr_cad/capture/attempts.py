@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,12 +14,34 @@ from perfqr_cad.capture.pictures.image import Picture
 from perfqr_cad.capture.pictures.views import greys, reduced, searched
 from perfqr_cad.capture.seeds import Seed, opencv_seeds, wechat_seeds, zxing_seeds
 
-SEEDS_TRIED = 150  # bounds the time spent on a picture without a readable code
+SEEDS_TRIED = 150
+SEARCH_CPU_S = 20.0  # of computing; both bound what is spent on a picture without a readable code
 SAME_PLACE = 0.12  # of a symbol's side: seeds nearer than this are one
 
 
-def seeds(picture: Picture) -> Iterator[tuple[Picture, Seed]]:
-    """Guesses by decoders and by our own search, each with the grey view that shows it; cheapest first."""
+@dataclass(frozen=True)
+class Effort:
+    """Seconds that this process has computed since the search began: work, which a busy machine does not
+    change."""
+
+    begin_s: float = field(default_factory=time.process_time)
+
+    @property
+    def spent(self) -> bool:
+        """Whether the search must end."""
+        return time.process_time() - self.begin_s > SEARCH_CPU_S
+
+
+def seeds(picture: Picture, effort: Effort) -> Iterator[tuple[Picture, Seed]]:
+    """Guesses by decoders and by our own search, each with the grey view that shows it; cheapest first. They
+    end with the effort."""
+    for guess in _all_seeds(picture, effort):
+        yield guess
+        if effort.spent:
+            return
+
+
+def _all_seeds(picture: Picture, effort: Effort) -> Iterator[tuple[Picture, Seed]]:
     views = greys(picture)
     for decoder in (zxing_seeds, _finder_seeds, wechat_seeds, opencv_seeds):
         yield from ((views[0], seed) for seed in decoder(views[0]))
@@ -27,6 +50,8 @@ def seeds(picture: Picture) -> Iterator[tuple[Picture, Seed]]:
             yield from ((view, seed) for seed in decoder(view))
     for view in views:
         for name, image, back in searched(view):
+            if effort.spent:
+                return
             for decoder in (zxing_seeds, _finder_seeds):
                 for seed in decoder(image):
                     engine, places = f"{seed.engine}, {name}", project(back, seed.places)

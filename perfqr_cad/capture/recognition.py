@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.capture.art import art_of, rectify
-from perfqr_cad.capture.attempts import distinct, glimpses, seeds
+from perfqr_cad.capture.attempts import SEARCH_CPU_S, Effort, distinct, glimpses, seeds
 from perfqr_cad.capture.capture import Capture, Sampling
 from perfqr_cad.capture.grid import CORNERS, Floats, Grid
 from perfqr_cad.capture.pictures.image import Picture, load_image, luminance
@@ -96,17 +96,17 @@ def read(
 def _first(picture: Picture, name: str, sampling: Sampling) -> _Found:
     """The code that is found with the least effort."""
     damage: tuple[float, str] = (0.0, "")
-    tries = 0
-    for view, seed in distinct(seeds(picture)):
+    tries, effort = 0, Effort()
+    for view, seed in distinct(seeds(picture, effort)):
         for space, grid, fit in _registered(view, seed):
             tries += 1
             if tries > CORRECTIONS_TRIED:
-                raise CaptureError(_failure(name, picture, *damage))
+                raise CaptureError(_failure(name, picture, effort, *damage))
             try:
                 return _corrected(picture, space, grid, fit, seed, sampling)
             except SymbolError as failure:
                 damage = max(damage, (abs(fit), str(failure)))
-    raise CaptureError(_failure(name, picture, *damage))
+    raise CaptureError(_failure(name, picture, effort, *damage))
 
 
 def _others(picture: Picture, first: _Found, sampling: Sampling) -> list[_Found]:
@@ -261,13 +261,18 @@ def _is_mirrored(grid: Grid) -> bool:
     return bool(np.linalg.det(np.stack([b - a, c - a])) < 0)
 
 
-def _failure(name: str, picture: Picture, fit: float, damage: str) -> str:
+def _failure(name: str, picture: Picture, effort: Effort, fit: float, damage: str) -> str:
     if fit >= GOOD_FIT:
         return f"the code in {name} cannot be read: {damage}"
+    height, width = picture.shape[:2]
+    if effort.spent:
+        return (
+            f"no QR code found in {name} ({width} × {height} pixels) in {SEARCH_CPU_S:g} s of computing: "
+            "crop the picture to the code and its quiet zone"
+        )
     other = other_code(picture)
     if other is not None:
         return f"{name} holds no QR code but {other}; make a QR code (Model 2) of its text with --text"
-    height, width = picture.shape[:2]
     return (
         f"no QR code found in {name} ({width} × {height} pixels): take a sharper, straighter or larger "
         "picture with all three finder patterns in it"
