@@ -108,13 +108,17 @@ def test_several_codes_in_one_image(tmp_path: Path, run: Run, refused: Refused) 
         with Image.open(path) as code:
             sheet.paste(code, (250 * number, 0))
     sheet.save(path)
-    for command in (("read", path), ("make", "--image", path)):
+    to_make = "make", "--image", path, "-o", tmp_path / "part.stl"
+    for command in (("read", path), to_make):
         assert "two.png holds 2 QR codes: 1 'first', 2 'other'; choose one with --which N" in refused(
             *command
         )
-    assert "there is no number 3" in refused("make", "--image", path, "--which", 3)
+    assert "there is no number 3" in refused(*to_make, "--which", 3)
     assert "payload: other" in run("read", path, "--which", 2)[1]
-    assert "none is given: leave it out" in refused("make", "a text", "--which", 1)
+    assert "none is given: leave it out" in refused(
+        "make", "a text", "--which", 1, "-o", tmp_path / "part.stl"
+    )
+    assert not (tmp_path / "part.stl").exists()
 
 
 def test_code_damaged_beyond_its_capacity(tmp_path: Path, refused: Refused) -> None:

@@ -81,7 +81,6 @@ def test_the_choices_are_those_that_the_layers_know() -> None:
     assert by_name.pop("caption_place") == list(get_args(Place))
     assert by_name.pop("dxf") == list(get_args(DxfVersion))
     assert by_name.pop("svg") == list(get_args(SvgVariant))
-    assert by_name.pop("caption_place") == list(get_args(Place))
     assert by_name == {"method": ["optimal", "paper"]}
 
 
