@@ -1,6 +1,6 @@
 """From a picture of a QR code to its modules, its damage and its art.
 
-`image` opens the file, `search` has `seeds` and `finders` guess a place, `register` and `warp` fit a grid,
+`image` opens the file, `seeds` and `finders` guess a place, `register` and `warp` fit a grid,
 `sampling` weighs the modules, `several` numbers the codes of one picture, `symbologies` names what is no QR
 code, `art` tells the shapes. What modules mean is decided in `symbol`, not here.
 """

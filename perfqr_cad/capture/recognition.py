@@ -27,8 +27,7 @@ from perfqr_cad.capture.sampling import (
     soft_log_likelihood,
     vote_log_likelihood,
 )
-from perfqr_cad.capture.search import distinct, glimpses, seeds
-from perfqr_cad.capture.seeds import Seed
+from perfqr_cad.capture.seeds import Seed, distinct, glimpses, seeds_in
 from perfqr_cad.capture.several import choice, in_reading_order, overlap
 from perfqr_cad.capture.symbologies import other_code
 from perfqr_cad.capture.views import is_colourful, projections
@@ -97,7 +96,7 @@ def _first(picture: Picture, name: str, sampling: Sampling) -> _Found:
     """The code that is found with the least effort."""
     damage: tuple[float, str] = (0.0, "")
     tries = 0
-    for view, seed in distinct(seeds(picture)):
+    for view, seed in distinct(seeds_in(picture)):
         for space, grid, fit in _registered(view, seed):
             tries += 1
             if tries > CORRECTIONS_TRIED:

@@ -1,9 +1,9 @@
-"""First guesses of where a code lies, from decoders that know how to look for one."""
+"""First guesses of where a code lies, by decoders that know how to look for one and by our own search."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -12,9 +12,14 @@ import numpy as np
 import zxingcpp
 from numpy.typing import NDArray
 
-from perfqr_cad.capture.grid import Floats
+from perfqr_cad.capture.finders import triples
+from perfqr_cad.capture.grid import Floats, project
+from perfqr_cad.capture.image import Picture
+from perfqr_cad.capture.views import greys, reduced, searched
 from perfqr_cad.symbol import size_of
 
+SEEDS_TRIED = 150  # bounds the time spent on a picture without a readable code
+SAME_PLACE = 0.12  # of a symbol's side: seeds nearer than this are one
 _MODEL_2: Any = zxingcpp.BarcodeFormat.QRCodeModel2  # its stubs want the plural type
 
 
@@ -48,6 +53,51 @@ class Seed:
     def outline(self) -> Floats:
         """(4, 2) outer corners of the likeliest symbol."""
         return self.places if len(self.places) == 4 else self.corners(self.sizes[0])
+
+
+def seeds_in(picture: Picture) -> Iterator[tuple[Picture, Seed]]:
+    """Guesses by decoders and by our own search, each with the grey view that shows it; cheapest first."""
+    views = greys(picture)
+    for decoder in (zxing_seeds, _finder_seeds, wechat_seeds, opencv_seeds):
+        yield from ((views[0], seed) for seed in decoder(views[0]))
+    for view in views[1:]:
+        for decoder in (zxing_seeds, _finder_seeds):
+            yield from ((view, seed) for seed in decoder(view))
+    for view in views:
+        for name, image, back in searched(view):
+            for decoder in (zxing_seeds, _finder_seeds):
+                for seed in decoder(image):
+                    engine, places = f"{seed.engine}, {name}", project(back, seed.places)
+                    yield view, replace(seed, engine=engine, places=places)
+
+
+def glimpses(grey: Picture) -> Iterator[Seed]:
+    """Guesses that cost little in a picture of any size."""
+    yield from zxing_seeds(grey)
+    small, back = reduced(grey)
+    for decoder in (wechat_seeds, _finder_seeds):
+        for seed in decoder(small):
+            yield replace(seed, places=project(back, seed.places))
+
+
+def distinct(guesses: Iterator[tuple[Picture, Seed]]) -> Iterator[tuple[Picture, Seed]]:
+    """Seeds that are not where another of their view was already, `SEEDS_TRIED` of them at the most."""
+    seen: list[tuple[int, Floats]] = []
+    for view, seed in guesses:
+        place = np.append(seed.places.mean(axis=0), np.ptp(seed.places, axis=0))
+        near = SAME_PLACE * float(place[2:].max())
+        kind = id(view) + len(seed.places)
+        if any(kind == other and np.abs(place - old).max() < near for other, old in seen):
+            continue
+        seen.append((kind, place))
+        yield view, seed
+        if len(seen) >= SEEDS_TRIED:
+            return
+
+
+def _finder_seeds(image: Picture) -> Iterator[Seed]:
+    for triple in triples(image):
+        yield Seed("finders", triple.centres, triple.sizes, None, True)
 
 
 def zxing_seeds(image: NDArray[np.uint8]) -> Iterator[Seed]:
