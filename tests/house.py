@@ -26,6 +26,7 @@ REASONS: dict[str, str] = {
     "colours.py": MIRROR,
     "finder.py": MIRROR,
     "pattern.py": MIRROR,
+    "pipeline/request.py": "one declaration after the other, no code",
     "reader.py": "one for each kind of input, in its folder",
     "svg.py": "capture reads drawings, export writes them",
     "worker.py": "the process that runs foreign code, and the decoders that run in it",

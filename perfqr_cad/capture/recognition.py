@@ -272,7 +272,7 @@ def _failure(name: str, picture: Picture, effort: Effort, fit: float, damage: st
         )
     other = other_code(picture)
     if other is not None:
-        return f"{name} holds no QR code but {other}; make a QR code (Model 2) of its text with --text"
+        return f"{name} holds no QR code but {other}; make a QR code (Model 2) of its text"
     return (
         f"no QR code found in {name} ({width} × {height} pixels): take a sharper, straighter or larger "
         "picture with all three finder patterns in it"
