@@ -62,12 +62,12 @@ def run(request: Request, target: Target | None = None) -> Design:
     change with which the part was made and holds, or says what was tried.
     """
     shortfalls: list[NotHeldError] = []
-    for attempt in attempts(request):
+    for attempt in attempts(request, plate=target is None):
         try:
             return _once(attempt, target)
         except NotHeldError as shortfall:
             shortfalls.append(shortfall)
-    raise advised(shortfalls[0], request, lambda changed: _once(changed, target))
+    raise advised(shortfalls[0], request, lambda tried: _once(tried, target), plate=target is None)
 
 
 def _once(request: Request, target: Target | None) -> Design:

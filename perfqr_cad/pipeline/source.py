@@ -43,7 +43,7 @@ def source(request: Request, terms: Terms) -> Source:
 
     data, fnc1 = message(request)
     level: Level = request.level  # pyright: ignore[reportAssignmentType]  # `encode` refuses other letters
-    write = partial(encode, data, level=level, eci=request.eci, fnc1=fnc1)
+    write = partial(encode, data, level=level, eci=not request.no_eci, fnc1=fnc1)
     free = freedoms(request)
     choice = chosen(write, terms.drawing, version=request.version, mask=request.mask, free=free)
     return Source(choice.symbol, choice=choice)

@@ -8,6 +8,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from perfqr_cad.errors import SymbolError
+from perfqr_cad.remedy import Remedy
 from perfqr_cad.symbol.drawing import Symbol
 from perfqr_cad.symbol.galois import parity
 from perfqr_cad.symbol.layout import layout
@@ -217,19 +218,19 @@ def _fitting_version(segments: Any, version: int | None, level: Level, eci: bool
     asked = MAX_VERSION if version is None else check_version(version)
     if smallest is not None and smallest <= asked:
         return asked
-    raise SymbolError(_overflow(segments, asked, level, smallest, eci))
+    raise _overflow(segments, asked, level, smallest, eci)
 
 
-def _overflow(segments: Any, version: int, level: Level, smallest: int | None, eci: bool) -> str:
-    """Message naming the length, the capacity and what would fit."""
+def _overflow(segments: Any, version: int, level: Level, smallest: int | None, eci: bool) -> SymbolError:
+    """What names the length, the capacity and what would fit."""
     length = _length(segments, version, eci)
     lower = [k for k in LEVELS if length <= _capacity(version, k)]
-    remedies = [f"version {smallest}"] if smallest is not None else []
-    remedies += [f"level {lower[-1]}"] if lower else []
-    remedy = f"use {' or '.join(remedies)}" if remedies else "shorten it"
-    return (
+    remedies = [Remedy(version=smallest)] if smallest is not None else []
+    remedies += [Remedy(level=lower[-1])] if lower else []
+    return SymbolError(
         f"the text needs {-(-length // CODEWORD_BITS)} codewords, version {version}-{level} holds"
-        f" {_capacity(version, level) // CODEWORD_BITS}: {remedy}"
+        f" {_capacity(version, level) // CODEWORD_BITS}",
+        *remedies or ["a shorter text"],
     )
 
 
