@@ -164,7 +164,7 @@ class Request:
         "recessed bars of a finder ring",
         group="Look",
         needs=("finder=recessed",),
-        range=(1, 2),
+        range=(1, 3),
         empty="as reads best",
     )
     bar_height_mm: float | None = setting(
