@@ -22,7 +22,7 @@ from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
 from perfqr_cad.pipeline.targets import Site, Target, locate
-from perfqr_cad.pipeline.tuning import for_reader
+from perfqr_cad.pipeline.tuning import for_grade, for_reader
 from perfqr_cad.progress import tell
 
 if TYPE_CHECKING:
@@ -81,7 +81,10 @@ def _once(request: Request, target: Target | None) -> Design:
     with watch("symbol"):
         capture, symbol = _source(request, terms)
     with watch("pattern"):
-        drawn = patterns.build(symbol, terms.drawing, None if capture is None else capture.art)
+        art = None if capture is None else capture.art
+        terms, drawn = for_grade(
+            terms, lambda terms: patterns.build(symbol, terms.drawing, art), request.thickness_mm
+        )
     with watch("placement"):
         site = locate(target, terms, drawn.extent_mm)
     if request.scan_tilt_deg:

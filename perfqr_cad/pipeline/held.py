@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 LEAST_READERS = 2  # a part that fewer engines read from straight above counts as unread
 LARGER, THICKER, THINNER = (1.25, 1.6), (1.5, 2.0), (0.75, 0.5)  # factors tried, the smallest change first
 MOST_HOLDS = 3  # of the finder rings that are tried, the strongest ones
+GRADED_MM = (75.0, 100.0)  # in large modules a verifier hardly sees bars of one line
 THINNEST_MM = 0.8  # that still prints as a plate
 
 
@@ -58,6 +59,25 @@ def require_read(request: Request, report: ScanReport) -> None:
 
 
 def _unread(request: Request, report: ScanReport) -> str | None:
+    return _unread_by_decoders(request, report) or _below_grade(request, report)
+
+
+def _below_grade(request: Request, report: ScanReport) -> str | None:
+    """What the part lacks of the grade that was asked for."""
+    from perfqr_cad.scan.grade import LETTERS
+
+    if request.grade is None or report.grade is None:
+        return None
+    found = report.grade.counted
+    if found.overall >= LETTERS[request.grade]:
+        return None
+    return (
+        f"grade {found.overall:.1f} ({found.letter}) before {report.grade.ground}, limited by "
+        f"{found.limiting}, asked for {LETTERS[request.grade]:.1f} ({request.grade})"
+    )
+
+
+def _unread_by_decoders(request: Request, report: ScanReport) -> str | None:
     readers, wanted = report.readers, required(request)
     if missing := [name for name in wanted if name not in readers]:
         return f"{', '.join(missing)}: required, and cannot read the part from straight above"
@@ -104,6 +124,8 @@ def _more_legible(request: Request) -> Iterator[tuple[str, Request]]:
     """Single changes that may be read better, with the option that makes each."""
     if request.colour is not None or request.ground is not None:
         yield "no --colour and --ground of your own", replace(request, colour=None, ground=None)
+    if request.grade is not None and request.ground is None and request.backing_mm is None:
+        yield "--ground black, if that is what will be behind it", replace(request, ground="black")
     if request.depth_mm is not None:
         yield "no --depth, for through-holes", replace(request, depth_mm=None)
     for share in THINNER:
@@ -113,3 +135,6 @@ def _more_legible(request: Request) -> Iterator[tuple[str, Request]]:
         for factor in LARGER:
             size_mm = round(factor * request.size_mm)
             yield f"--size {size_mm}", replace(request, size_mm=float(size_mm))
+    elif request.grade is not None:
+        for size_mm in GRADED_MM:
+            yield f"--size {size_mm:g}", replace(request, size_mm=size_mm)

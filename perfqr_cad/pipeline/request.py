@@ -255,6 +255,13 @@ class Request:
         empty="any two",
         max_length=200,
     )
+    grade: str | None = setting(
+        None,
+        "grade of print quality that the part must have, by ISO/IEC 15415; bars are chosen for it",
+        group="Proof",
+        choices=("A:3.5", "B:2.5", "C:1.5", "D:0.5"),
+        empty="not asked for",
+    )
     accept_weak: bool = setting(
         False, "write the part although it does not bear a load that was asked for", group="Proof"
     )

@@ -1,11 +1,11 @@
-"""Design for the reader: walls and thickness that read best at a tilt, with the camera as the judge.
+"""Design for the reader: bars for a grade, walls and thickness for a tilt, with the camera as the judge.
 
 What is filmed are plates drawn from the pattern; the solid is built once, from what comes out of here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,49 @@ LIPS_MM = (0.0, 0.2, 0.4)
 # Plates only: shares of the thickness asked for, down to the thinnest that still prints as a plate.
 THICKNESS_SHARES = (1.0, 0.875, 0.75, 0.625, 0.5)
 THINNEST_MM = 0.8
+# Ways to hold the finder rings, those that read from furthest aside first. A pinched slot spoils its corner
+# for a verifier, which looks straight at it and finds it narrow; flush bars of one line it hardly sees in
+# large modules.
+FINDERS = ("recessed", "panel")
+
+
+def for_grade(terms: Terms, draw: Callable[[Terms], Pattern], thickness_mm: float) -> tuple[Terms, Pattern]:
+    """The terms, and the pattern drawn by them, with bars of the finder rings that have the grade asked for.
+
+    The first of `FINDERS` with which a plate drawn from the pattern has it, before the ground that was named,
+    or before dark; those of the terms where none has.
+    """
+    from perfqr_cad.scan.grade import LETTERS
+
+    request = terms.request
+    own = draw(terms)
+    if request.grade is None or request.depth_mm is not None:
+        return terms, own
+    tell("choose bars for the grade")
+    for finder in FINDERS[FINDERS.index(request.finder) :] if request.finder in FINDERS else ():
+        changed = resolved(replace(request, finder=finder), or_straight=terms.walls.or_straight)
+        drawn = draw(changed)
+        if _drawn_grade(changed, drawn, thickness_mm) >= LETTERS[request.grade]:
+            return changed, drawn
+    return terms, own
+
+
+def _drawn_grade(terms: Terms, drawn: Pattern, thickness_mm: float) -> float:
+    """Grade by ISO/IEC 15415 of a plate that exists as a pattern only."""
+    from perfqr_cad import scan
+    from perfqr_cad.scan.grade import graded
+
+    lip_mm = min(terms.walls.lip_mm, thickness_mm / 2)
+    scene = scan.plate_scene(drawn, thickness_mm, draft_deg=terms.walls.draft_deg, lip_mm=lip_mm)
+    found = graded(
+        scene,
+        terms.look,
+        drawn.symbol,
+        module_mm=drawn.module_mm,
+        quiet=drawn.quiet_modules,
+        ground_known=True,
+    )
+    return found.counted.overall
 
 
 def for_reader(terms: Terms, drawn: Pattern, thickness_mm: float, *, plate: bool) -> Terms:

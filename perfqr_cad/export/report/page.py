@@ -164,7 +164,26 @@ def _scan(report: ScanReport | None) -> str:
         f'<h2>Scan</h2>\n<div class="pair">{_heat_maps(list(report.decoders.values()))}</div>\n{advice}\n'
         f'<div class="pair">{"".join(sights)}</div>\n'
         f'<div class="pair">{markup.figure(backgrounds, "Views from above that are read, by ground")}</div>'
+        f"{_grade(report)}"
     )
+
+
+def _grade(report: ScanReport) -> str:
+    """The parameters of both standards, before each ground."""
+    if report.grade is None:
+        return ""
+    tables = [
+        markup.figure(
+            markup.table(
+                (f"{grade.written}: {grade.letter}", "grade"),
+                [(name, f"{value:.1f}") for name, value in grade.grades.items()],
+            ),
+            f"{grade.edition}, before {ground}; simulated, not verified",
+        )
+        for ground, grades in report.grade.grounds.items()
+        for grade in grades
+    ]
+    return f'\n<h2>Grade</h2>\n<div class="pair">{"".join(tables)}</div>'
 
 
 def _heat_maps(decoders: Sequence[DecoderResult]) -> str:
