@@ -21,16 +21,16 @@ from perfqr_cad.pipeline.promises import promises, require_kept
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
+from perfqr_cad.pipeline.source import source
 from perfqr_cad.pipeline.targets import Site, Target, locate
 from perfqr_cad.pipeline.tuning import for_grade, for_reader
 from perfqr_cad.progress import tell
 
 if TYPE_CHECKING:
-    from perfqr_cad.capture import Capture
+    from perfqr_cad.capture import Art
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Solid
-    from perfqr_cad.symbol import Level, Symbol
 
 
 @takes(SETTINGS)
@@ -63,12 +63,12 @@ def run(request: Request, target: Target | None = None) -> Design:
     change with which the part was made and holds, or says what was tried.
     """
     shortfalls: list[NotHeldError] = []
-    for attempt in attempts(request):
+    for attempt in attempts(request, plate=target is None):
         try:
             return _once(attempt, target)
         except NotHeldError as shortfall:
             shortfalls.append(shortfall)
-    raise advised(shortfalls[0], request, lambda changed: _once(changed, target))
+    raise advised(shortfalls[0], request, lambda tried: _once(tried, target), plate=target is None)
 
 
 def _once(request: Request, target: Target | None) -> Design:
@@ -79,11 +79,11 @@ def _once(request: Request, target: Target | None) -> Design:
     require_known(request)
     terms = resolve(request, plate=target is None)
     with watch("symbol"):
-        capture, symbol = _source(request, terms)
+        found = source(request, terms)
     with watch("pattern"):
-        art = None if capture is None else capture.art
+        art = None if found.capture is None else found.capture.art
         terms, drawn = for_grade(
-            terms, lambda terms: patterns.build(symbol, terms.drawing, art), request.thickness_mm
+            terms, lambda terms: patterns.build(found.symbol, terms.drawing, art), request.thickness_mm
         )
     with watch("placement"):
         site = locate(target, terms, drawn.extent_mm)
@@ -105,12 +105,11 @@ def _once(request: Request, target: Target | None) -> Design:
     kept = promises(reinforced.pattern, solid)
     require_kept(kept)
     with watch("scan"):
-        report = _filmed(terms, site, solid, reinforced.pattern)
+        report = _filmed(terms, site, solid, reinforced.pattern, art)
     require_read(request, report)
     return Design(
         terms.request,
-        capture,
-        symbol,
+        found,
         reinforced.pattern,
         site.placement,
         reinforced,
@@ -133,24 +132,7 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
     return scan.part(path, text, mesh_step=mesh_step)
 
 
-def _source(request: Request, terms: Terms) -> tuple[Capture | None, Symbol]:
-    """The symbol of a text, masked so that its material hangs together, or of the code in a picture with its
-    codewords corrected."""
-    if request.image is not None:
-        from perfqr_cad.capture import read
-
-        capture = read(request.image, request.which)
-        return capture, capture.recovery.symbol
-    from perfqr_cad.pattern.choice import easiest_mask
-    from perfqr_cad.symbol import encode
-
-    assert request.text is not None  # Request holds exactly one of text and image
-    level: Level = request.level  # pyright: ignore[reportAssignmentType]  # encode refuses other letters
-    symbol = encode(request.text, version=request.version, level=level, mask=request.mask)
-    return None, symbol if request.mask is not None else easiest_mask(symbol, terms.drawing)
-
-
-def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanReport:
+def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern, art: Art | None) -> ScanReport:
     """What the decoders make of the finished solid."""
     from perfqr_cad import scan
     from perfqr_cad.symbol import payload_of
@@ -164,6 +146,7 @@ def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanRep
         look=terms.look,
         seed=terms.request.seed,
         behind=site.behind(solid),
+        art=art,
     )
 
 

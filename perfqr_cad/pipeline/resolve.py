@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pipeline.request import Request
+from perfqr_cad.remedy import Remedy
 from perfqr_cad.units import linear_from_srgb, srgb_from_linear
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 # Walls of plates: they hide the least from aside, and printers still bear the overhang (docs/scan.md).
 DRAFT_DEG, LIP_MM = 15.0, 0.2
 LEAST_FLARED_MM = 4 * LIP_MM  # thinner sheets are cut, not printed, and hide little
+FRAME_MM = 8.0  # that bears one line which can be printed and read
 LAYER_SHARE = 0.75  # of its diameter: the thickest layer that a nozzle lays well
 
 
@@ -73,6 +75,12 @@ def resolve(request: Request, *, plate: bool) -> Terms:
         lip_mm=lip_mm if request.lip_mm is None else request.lip_mm,
         support=request.support or ("free" if plate else "clamped"),
     )
+    if request.lip_mm and not filled.draft_deg:
+        raise DesignError(
+            f"a lip of {request.lip_mm:g} mm has no effect before straight walls",
+            Remedy(draft_deg=DRAFT_DEG),
+            Remedy(lip_mm=None),
+        )
     return resolved(filled, or_straight=request.draft_deg is None)
 
 
@@ -140,7 +148,7 @@ def _caption(request: Request, drawing: PatternSpec) -> Caption | None:
     if not request.caption:
         return None
     if not request.frame_mm:
-        raise DesignError("a caption needs a frame to stand on: give --frame 8, say")
+        raise DesignError("a caption needs a frame to stand on", Remedy(frame_mm=FRAME_MM), "another width")
     from perfqr_cad.profile.caption import Caption, fitting_height_mm
 
     height_mm = request.caption_height_mm

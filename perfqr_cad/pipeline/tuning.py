@@ -39,7 +39,8 @@ def for_grade(terms: Terms, draw: Callable[[Terms], Pattern], thickness_mm: floa
 
     request = terms.request
     own = draw(terms)
-    if request.grade is None or request.depth_mm is not None:
+    named = any(value is not None for value in (request.bars, request.bar_height_mm, request.bar_width_mm))
+    if request.grade is None or request.depth_mm is not None or named:
         return terms, own
     tell("choose bars for the grade")
     for finder in FINDERS[FINDERS.index(request.finder) :] if request.finder in FINDERS else ():

@@ -25,12 +25,14 @@ from perfqr_cad.scan.decoding.panel import Losses, Panel, shared
 from perfqr_cad.scan.filming import picture_seed, reads
 from perfqr_cad.scan.grade import SymbolGrade, graded
 from perfqr_cad.scan.grounds import GroundResult
+from perfqr_cad.scan.likeness import Likeness, likeness
 from perfqr_cad.scan.report import DecoderResult, FilmedView, ScanReport
 from perfqr_cad.scan.schedule import QUICK, Schedule
 from perfqr_cad.surface import Placement
 from perfqr_cad.symbol import QUIET_MODULES, Symbol
 
 if TYPE_CHECKING:
+    from perfqr_cad.capture import Art
     from perfqr_cad.pattern import Pattern
 
 Film = Callable[..., list[frozenset[str]]]  # `reads` with payload, panel and seed given
@@ -49,6 +51,7 @@ def certify(
     look: Look | None = None,
     seed: int = 0,
     behind: Triangles | None = None,
+    art: Art | None = None,
 ) -> ScanReport:
     """Film a solid and report which decoders read the exact payload, beside the flat print of the same code.
 
@@ -58,6 +61,7 @@ def certify(
     decoders    names, or None for all that this machine has
     behind      a matte body of the ground's colour that is seen through the holes, such as the bottle in a
                 ring; no part of the part
+    art         the picture that the pattern was drawn from: a flat print of it is filmed beside the part
 
     AnalysisError if a decoder is not available here, or if no payload was given and none can be read;
     KernelError if the mesh is empty.
@@ -91,6 +95,7 @@ def certify(
         grade=None if symbol is None else _grade(scene, look, placement, pattern, symbol, schedule),
         look=look,
         grounds=grounds,
+        likeness=None if art is None else _likeness(film, scene, art, pattern, look, schedule, panel.names),
     )
     return replace(report, advice=advice.sentences(report))
 
@@ -120,6 +125,28 @@ def _flat_reads(
     views = schedule.flat_views()
     frames = schedule.patience(views)
     return film(_flat_print(scene, pattern, symbol), views, look, frames=frames, step="film the flat print")
+
+
+def _likeness(
+    film: Film,
+    scene: Scene,
+    art: Art,
+    pattern: Pattern | None,
+    look: Look,
+    schedule: Schedule,
+    names: Sequence[str],
+) -> Likeness:
+    """The flat print of the art: who reads it, and how alike part and art are."""
+    quiet = QUIET_MODULES if pattern is None else pattern.quiet_modules
+    edge_mm = scene.part.code.edge_mm if pattern is None else pattern.size_mm
+    on_paper = printed(art.dark, edge_mm, quiet_modules=quiet, scale=art.scale)
+    views = schedule.flat_views()
+    read = film(on_paper, views, look, frames=schedule.patience(views), step="film the art")
+    results = {
+        name: DecoderResult(name, schedule.tilts_deg, _rates(name, schedule.tilts_deg, views, read), None)
+        for name in names
+    }
+    return likeness(scene, on_paper, look, edge_mm, results)
 
 
 def _results(

@@ -12,6 +12,7 @@ from perfqr_cad.scan.camera.look import Look
 from perfqr_cad.scan.decoding.panel import Losses
 from perfqr_cad.scan.grade import SymbolGrade
 from perfqr_cad.scan.grounds import GroundResult, conditions, in_words
+from perfqr_cad.scan.likeness import Likeness
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,7 @@ class ScanReport:
     grade         how a verifier would grade it; None where the symbol is not known
     look          ground and light that all of this was found in, but for `backgrounds` and `grounds`
     grounds       what was read before other grounds and in other light
+    likeness      what the picture lost that the part was drawn from; None without one
     """
 
     payload: str | None
@@ -97,6 +99,7 @@ class ScanReport:
     grade: SymbolGrade | None = None
     look: Look = field(default_factory=Look)
     grounds: tuple[GroundResult, ...] = ()
+    likeness: Likeness | None = None
 
     @property
     def ground_words(self) -> str:
@@ -127,6 +130,7 @@ class ScanReport:
             "grounds": [result.as_dict() for result in self.grounds],
             "reads_on": self.ground_words,
             "backgrounds": {name: round(rate, 4) for name, rate in self.backgrounds.items()},
+            "art": None if self.likeness is None else self.likeness.as_dict(self.readers),
             "grade": None if self.grade is None else self.grade.as_dict(),
             "timeouts": self.losses.timeouts,
             "crashes": self.losses.crashes,
@@ -146,6 +150,7 @@ class ScanReport:
         columns = ("decoder", *(f"{tilt:g}°" for tilt in tilts), "part to", "flat print to")
         seen = [f"on {name}: {rate:.0%}" for name, rate in self.backgrounds.items()]
         seen += [self.ground_words] if self.grounds else []
+        seen += [] if self.likeness is None else [self.likeness.words(self.readers)]
         graded = () if self.grade is None else (f"grade {self.grade.words}",)
         title = f"Views read, by tilt: {self.payload!r}"
         return Table(title, columns, tuple(rows), (*seen, *graded, *self.warnings, *self.advice)).render()

@@ -31,7 +31,7 @@ def directions(count: int = DIRECTIONS) -> NDArray[np.float64]:
 
 
 @dataclass(frozen=True)
-class Source:
+class Beam:
     """Light from one direction (3,): its radiance (n, n) over the plate, and what it weighs; weight x
     radiance x cosine adds up to the irradiance of a face."""
 
@@ -41,11 +41,11 @@ class Source:
     is_sky: bool
 
     @property
-    def dark(self) -> Source:
+    def dark(self) -> Beam:
         """The same direction without its own light."""
         return replace(self, radiance=np.zeros_like(self.radiance))
 
-    def dimmed(self, share: float) -> Source:
+    def dimmed(self, share: float) -> Beam:
         """A share of its light."""
         return replace(self, radiance=np.float32(share) * self.radiance)
 
@@ -125,7 +125,7 @@ class Slab:
         down, up = (np.asarray(reflectance * sides, np.float32) for sides in (down, up))
         return Glow(down, up, np.float32(ground) * lit.ground)
 
-    def gather(self, sources: Sequence[Source], glow: Glow) -> Lit:
+    def gather(self, sources: Sequence[Beam], glow: Glow) -> Lit:
         """What every face receives of the sources and of what glows."""
         shape = self.material.shape
         # Irradiance of faces that look along +x, -x, +y, -y, up and down, at every section.
@@ -149,7 +149,7 @@ class Slab:
                         cube[face, k] += share * seen
         return Lit(self._on_walls(cube), cube[4], cube[5], ground)
 
-    def _downwards(self, source: Source, glow: Glow) -> Iterator[tuple[int, Picture]]:
+    def _downwards(self, source: Beam, glow: Glow) -> Iterator[tuple[int, Picture]]:
         """Radiance that arrives from above at each section, and last at the ground. A lamp is no patch of the
         sky: walls that hide it take its light away, and what they send comes with the sky's directions."""
         depth = np.append(self.depth_mm, self.depth_mm[-1] + self.gap_mm)

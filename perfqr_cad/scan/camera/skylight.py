@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.scan.camera.look import Light
-from perfqr_cad.scan.camera.marching import Lit, Picture, Slab, Source, directions
+from perfqr_cad.scan.camera.marching import Beam, Lit, Picture, Slab, directions
 from perfqr_cad.scan.camera.raster import resized, shrunk
 from perfqr_cad.scan.camera.stack import MARGIN, Stack
 
@@ -152,30 +152,30 @@ def open_face(light: Light, hidden: NDArray[np.float64] | None = None) -> Bright
     return Brightness(front, front, front[None], front[None], np.zeros(1), [np.zeros_like(front)], ())
 
 
-def _on_open(sources: Sequence[Source]) -> Picture:
+def _on_open(sources: Sequence[Beam]) -> Picture:
     """Irradiance (n, n) of an open, level face."""
     return np.sum([np.float32(s.weight * s.direction[2]) * s.radiance for s in sources], axis=0)
 
 
-def _sources(light: Light, size: int, shares: NDArray[np.float64] | None) -> list[Source]:
+def _sources(light: Light, size: int, shares: NDArray[np.float64] | None) -> list[Beam]:
     """The sky's directions and the lamps', for pictures of `size` pixels over a plate; those that shine."""
     across = (np.arange(size) - (size - 1) / 2) / size * MARGIN
     points = np.stack(np.meshgrid(across, -across), axis=-1)
     found = _sky(light.ambient, size)
     for direction in light.lamp_directions:
         radiance = light.lamp / light.lamp_sides * light.fall_off(direction, points)
-        found.append(Source(direction, radiance.astype(np.float32), 1.0, False))
+        found.append(Beam(direction, radiance.astype(np.float32), 1.0, False))
     if shares is not None:
         found = [source.dimmed(float(share)) for source, share in zip(found, shares, strict=True)]
     return [source for source in found if source.radiance.any()]
 
 
-def _sky(ambient: float, size: int) -> list[Source]:
+def _sky(ambient: float, size: int) -> list[Beam]:
     """Patches of an even sky that gives an open level face exactly `ambient`."""
     sky = directions()
     weight = 1 / float(sky[:, 2].sum())
     even = np.full((size, size), ambient, np.float32)
-    return [Source(direction, even, weight, True) for direction in sky]
+    return [Beam(direction, even, weight, True) for direction in sky]
 
 
 def _slab(stack: Stack, pixels: int, gap_mm: float) -> Slab:
