@@ -23,7 +23,7 @@ from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
 from perfqr_cad.pipeline.source import source
 from perfqr_cad.pipeline.targets import Site, Target, locate
-from perfqr_cad.pipeline.tuning import for_grade, for_reader
+from perfqr_cad.pipeline.tuning import for_grade, for_legibility, for_reader
 from perfqr_cad.progress import tell
 
 if TYPE_CHECKING:
@@ -81,7 +81,12 @@ def _once(request: Request, target: Target | None) -> Design:
     with watch("symbol"):
         found = source(request, terms)
     with watch("pattern"):
-        art = None if found.capture is None else found.capture.art
+        art = for_legibility(
+            terms,
+            found,
+            lambda art: patterns.build(found.symbol, terms.drawing, art),
+            request.thickness_mm,
+        )
         terms, drawn = for_grade(
             terms, lambda terms: patterns.build(found.symbol, terms.drawing, art), request.thickness_mm
         )
@@ -105,7 +110,8 @@ def _once(request: Request, target: Target | None) -> Design:
     kept = promises(reinforced.pattern, solid)
     require_kept(kept)
     with watch("scan"):
-        report = _filmed(terms, site, solid, reinforced.pattern, art)
+        given = None if found.capture is None else found.capture.art
+        report = _filmed(terms, site, solid, reinforced.pattern, given)
     require_read(request, report)
     return Design(
         terms.request,
