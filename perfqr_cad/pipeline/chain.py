@@ -23,10 +23,11 @@ from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
 from perfqr_cad.pipeline.source import source
 from perfqr_cad.pipeline.targets import Site, Target, locate
-from perfqr_cad.pipeline.tuning import for_reader
+from perfqr_cad.pipeline.tuning import for_grade, for_legibility, for_reader
 from perfqr_cad.progress import tell
 
 if TYPE_CHECKING:
+    from perfqr_cad.capture import Art
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Solid
@@ -80,8 +81,14 @@ def _once(request: Request, target: Target | None) -> Design:
     with watch("symbol"):
         found = source(request, terms)
     with watch("pattern"):
-        drawn = patterns.build(
-            found.symbol, terms.drawing, None if found.capture is None else found.capture.art
+        art = for_legibility(
+            terms,
+            found,
+            lambda art: patterns.build(found.symbol, terms.drawing, art),
+            request.thickness_mm,
+        )
+        terms, drawn = for_grade(
+            terms, lambda terms: patterns.build(found.symbol, terms.drawing, art), request.thickness_mm
         )
     with watch("placement"):
         site = locate(target, terms, drawn.extent_mm)
@@ -103,7 +110,8 @@ def _once(request: Request, target: Target | None) -> Design:
     kept = promises(reinforced.pattern, solid)
     require_kept(kept)
     with watch("scan"):
-        report = _filmed(terms, site, solid, reinforced.pattern)
+        given = None if found.capture is None else found.capture.art
+        report = _filmed(terms, site, solid, reinforced.pattern, given)
     require_read(request, report)
     return Design(
         terms.request,
@@ -130,7 +138,7 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
     return scan.part(path, text, mesh_step=mesh_step)
 
 
-def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanReport:
+def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern, art: Art | None) -> ScanReport:
     """What the decoders make of the finished solid."""
     from perfqr_cad import scan
     from perfqr_cad.symbol import payload_of
@@ -144,6 +152,7 @@ def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanRep
         look=terms.look,
         seed=terms.request.seed,
         behind=site.behind(solid),
+        art=art,
     )
 
 
