@@ -138,7 +138,7 @@ def _write(design: DesignView, targets: Sequence[Path], options: Options) -> tup
             tell(f"writing {target.name}")
             module, staging = modules[target], stages[target.parent] / target.name
             import_module(f"{__name__}.{module}").write(design, staging, **options.of(module))
-            remarks = {"leaves_out": leaves_out(design, module), "notes": notes(design, module)}
+            remarks = {"leaves_out": leaves_out(design, module), "notes": notes(design, module, options)}
             records.append(replace(_record(target, staging), **remarks))
         for target in certificates:
             staging = stages[target.parent] / target.name

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from perfqr_cad.export import cutting
+from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.export.design_view import DesignView
+from perfqr_cad.export.options import DEFAULT, Options
 from perfqr_cad.geometry import Bezier
 
 FLAT = ("dxf", "svg")  # formats of the pattern's plane
@@ -20,8 +22,10 @@ def leaves_out(design: DesignView, module: str) -> tuple[str, ...]:
     return tuple(left)
 
 
-def notes(design: DesignView, module: str) -> tuple[str, ...]:
-    """What the file shows otherwise than the part is."""
+def notes(design: DesignView, module: str, options: Options = DEFAULT) -> tuple[str, ...]:
+    """What the file shows otherwise than the part is, and what its maker must know."""
+    if module == "threemf" and options.colour_change:
+        return tuple(change.words for change in colour_changes(design.solid))
     if module not in FLAT:
         return ()
     work = cutting.cut(design)

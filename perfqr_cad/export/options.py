@@ -17,11 +17,13 @@ class Options:
     dxf          r2000, or r12 for old programs
     dxf_bridges  whether bridges are drawn on a frozen layer of their own
     svg          filled, or cut: hairlines in the colours of what a cutter does along them
+    colour_change  whether 3MF files change the colour between layers, for one nozzle, instead of the tool
     """
 
     dxf: DxfVersion = "r2000"
     dxf_bridges: bool = False
     svg: SvgVariant = "filled"
+    colour_change: bool = False
 
     def __post_init__(self) -> None:
         for name, value, known in (
@@ -38,6 +40,8 @@ class Options:
                 return {"version": self.dxf, "bridges": self.dxf_bridges}
             case "svg":
                 return {"variant": self.svg}
+            case "threemf":
+                return {"colour_change": self.colour_change}
             case _:
                 return {}
 

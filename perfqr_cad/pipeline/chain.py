@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.errors import DesignError, NotHeldError
+from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.pipeline.design import Design
 from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
 from perfqr_cad.pipeline.holding import attempts
@@ -100,6 +101,8 @@ def _once(request: Request, target: Target | None) -> Design:
             verified = structure.verify_solid(reinforced.pattern, site.placement, case)
     with watch("solid"):
         solid = site.solid(reinforced.pattern, terms)
+    if request.colour_change:
+        colour_changes(solid)  # refused before the film, not after
     kept = promises(reinforced.pattern, solid)
     require_kept(kept)
     with watch("scan"):

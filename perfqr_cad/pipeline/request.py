@@ -283,6 +283,9 @@ class Request:
         group="Files",
         choices=("filled:a picture", "cut:hairlines in the colours of a cutter"),
     )
+    colour_change: bool = setting(
+        False, "3MF files change the colour between layers, for one nozzle, not the tool", group="Files"
+    )
 
     def __post_init__(self) -> None:
         if (self.text is None) == (self.image is None):

@@ -63,8 +63,11 @@ def resolve(request: Request, *, plate: bool) -> Terms:
     """The terms of a request. On a plate with through-holes, walls that it leaves open flare for the reader;
     elsewhere they are straight.
 
-    Raises `DesignError` for walls, captions, colours and names that cannot be meant.
+    Raises `DesignError` for walls, captions, colours and names that cannot be meant, and a change of
+    colour on a part of one.
     """
+    if request.colour_change and plate and request.backing_mm is None:
+        raise DesignError("colour_change needs a second colour: give --backing 1, say")
     flares = plate and request.depth_mm is None and request.thickness_mm >= LEAST_FLARED_MM
     draft_deg, lip_mm = (DRAFT_DEG, LIP_MM) if flares and request.draft_deg is None else (0.0, 0.0)
     filled = replace(
