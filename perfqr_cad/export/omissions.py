@@ -28,10 +28,13 @@ def notes(design: DesignView, module: str, options: Options = DEFAULT) -> tuple[
         return tuple(change.words for change in colour_changes(design.solid))
     if module not in FLAT:
         return ()
+    found = list(cutting.notes(design))
+    if options.kerf_mm and (module == "dxf" or options.svg == "cut"):
+        found.append(f"paths keep {options.kerf_mm / 2:g} mm off the part, half of the kerf")
     work = cutting.cut(design)
     curved = any(isinstance(s, Bezier) for loop in (*work.engrave, *work.through) for s in loop.segments)
     if module == "dxf" and curved:
         from perfqr_cad.export.dxf import ARC_TOL_MM
 
-        return (*cutting.notes(design), f"curves are arcs within {ARC_TOL_MM:g} mm")
-    return cutting.notes(design)
+        found.append(f"curves are arcs within {ARC_TOL_MM:g} mm")
+    return tuple(found)

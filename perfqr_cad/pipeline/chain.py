@@ -18,6 +18,7 @@ from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.pipeline.design import Design
 from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
 from perfqr_cad.pipeline.holding import attempts
+from perfqr_cad.pipeline.manufacture import is_cut
 from perfqr_cad.pipeline.promises import promises, require_kept
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
@@ -86,7 +87,7 @@ def _once(request: Request, target: Target | None) -> Design:
         )
     with watch("placement"):
         site = locate(target, terms, drawn.extent_mm)
-    if request.scan_tilt_deg:
+    if request.scan_tilt_deg and not is_cut(request):
         with watch("tuning"):
             terms = for_reader(terms, drawn, site.placement.thickness_mm, plate=target is None)
         if target is None:  # its thickness may be another now

@@ -114,5 +114,6 @@ class Design:
             asked.dxf,  # pyright: ignore[reportArgumentType]  # checked there
             asked.dxf_bridges,
             asked.svg,  # pyright: ignore[reportArgumentType]
+            asked.kerf_mm,
             asked.colour_change,
         )

@@ -106,8 +106,26 @@ class Request:
         group="Look",
         choices=("optimal:fewest and least harmful", "paper:Eq. (4)", "mst:Eq. (4) with λ = 0"),
     )
-    nozzle_mm: float = setting(
-        0.4, "width of one printed line or of the kerf", group="Walls", range=(0.01, 10.0)
+    process: str = setting(
+        "fdm",
+        "how the part is made, and so what can be designed",
+        group="Walls",
+        choices=(
+            "fdm:printed from filament",
+            "resin:printed from resin",
+            "laser:cut from a sheet",
+            "waterjet:cut from a sheet",
+            "knife:cut from card or film",
+            "stencil:cut, to paint through",
+        ),
+    )
+    nozzle_mm: float = setting(0.4, "width of one printed line", group="Walls", range=(0.01, 10.0))
+    kerf_mm: float = setting(
+        0.0,
+        "width that the cutter takes away; paths in DXF and SVG files keep half of it off the part,"
+        " 0 leaves that to the cutter's program",
+        group="Walls",
+        range=(0.0, 10.0),
     )
     draft_deg: float | None = setting(
         None,

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.pipeline.manufacture import least_sizes, makeable
 from perfqr_cad.pipeline.request import Request
 from perfqr_cad.units import linear_from_srgb, srgb_from_linear
 
@@ -66,6 +67,7 @@ def resolve(request: Request, *, plate: bool) -> Terms:
     Raises `DesignError` for walls, captions, colours and names that cannot be meant, and a change of
     colour on a part of one.
     """
+    request = makeable(request, plate=plate)
     if request.colour_change and plate and request.backing_mm is None:
         raise DesignError("colour_change needs a second colour: give --backing 1, say")
     flares = plate and request.depth_mm is None and request.thickness_mm >= LEAST_FLARED_MM
@@ -107,7 +109,7 @@ def _drawing(request: Request) -> PatternSpec:
         quiet_modules=request.quiet_modules,
         nozzle_mm=request.nozzle_mm,
         style=request.style,  # pyright: ignore[reportArgumentType]  # PatternSpec refuses unknown names
-        fillet_mm=request.fillet_mm,
+        **least_sizes(request),
         finder=request.finder,  # pyright: ignore[reportArgumentType]
         **_bars(request),
         objective=request.objective,  # pyright: ignore[reportArgumentType]

@@ -10,6 +10,7 @@ from perfqr_cad.export.dxf import DxfVersion
 from perfqr_cad.export.svg import SvgVariant
 from perfqr_cad.pattern.spec import CHOICES as SPEC_CHOICES
 from perfqr_cad.pipeline.chain import make
+from perfqr_cad.pipeline.manufacture import CUTTING, PRINTED
 from perfqr_cad.pipeline.parameter import Parameter
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import DRAFT_DEG, LIP_MM, Terms, resolve
@@ -80,6 +81,7 @@ def test_the_choices_are_those_that_the_layers_know() -> None:
     assert by_name.pop("dxf") == list(get_args(DxfVersion))
     assert by_name.pop("svg") == list(get_args(SvgVariant))
     assert by_name.pop("caption_place") == ["bottom", "top"]
+    assert by_name.pop("process") == [*PRINTED, *CUTTING]
     assert by_name == {"method": ["optimal", "paper"]}
 
 
