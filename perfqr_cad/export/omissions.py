@@ -12,10 +12,10 @@ FLAT = ("dxf", "svg")  # formats of the pattern's plane
 ONE_BODY = (*FLAT, "stl")
 
 
-def leaves_out(design: DesignView, module: str) -> tuple[str, ...]:
-    """Bodies of the design that are not in the file."""
+def leaves_out(design: DesignView, module: str, options: Options = DEFAULT) -> tuple[str, ...]:
+    """Bodies of the design that are not in the file, nor in one beside it."""
     left: list[str] = []
-    if module in ONE_BODY:
+    if module in ONE_BODY and not (module == "stl" and options.split_stl):
         left += [f"the {extra.name}" for extra in design.solid.extras]
     if module in FLAT and design.solid.is_carved:
         left.append("the body around the code")

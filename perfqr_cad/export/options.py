@@ -18,6 +18,7 @@ class Options:
     dxf_bridges  whether bridges are drawn on a frozen layer of their own
     svg          filled, or cut: hairlines in the colours of what a cutter does along them
     kerf_mm      width that the cutter takes away, of which paths keep half off the part
+    split_stl    whether each further body, a backing say, gets an STL file of its own
     colour_change  whether 3MF files change the colour between layers, for one nozzle, instead of the tool
     """
 
@@ -26,6 +27,7 @@ class Options:
     svg: SvgVariant = "filled"
     kerf_mm: float = 0.0
     colour_change: bool = False
+    split_stl: bool = False
 
     def __post_init__(self) -> None:
         for name, value, known in (

@@ -116,4 +116,5 @@ class Design:
             asked.svg,  # pyright: ignore[reportArgumentType]
             asked.kerf_mm,
             asked.colour_change,
+            asked.split_stl,
         )

@@ -301,6 +301,9 @@ class Request:
         group="Files",
         choices=("filled:a picture", "cut:hairlines in the colours of a cutter"),
     )
+    split_stl: bool = setting(
+        False, "an STL file for each colour: part-backing.stl beside part.stl", group="Files"
+    )
     colour_change: bool = setting(
         False, "3MF files change the colour between layers, for one nozzle, not the tool", group="Files"
     )
