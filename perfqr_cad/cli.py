@@ -65,6 +65,7 @@ def make(
     An option is the parameter of the same name in a template: --size 40 is -D size=40.
     """
     from perfqr_cad import catalog, export
+    from perfqr_cad.pipeline.effect import require_files
 
     outputs = output or []
     if not outputs and not as_json:
@@ -78,7 +79,7 @@ def make(
         catalog.read_definitions(define or []), setting_options.given(context.params, payload)
     )
     values = chosen.values(setting_options.over(sets, explicit))
-    export.check(outputs)
+    require_files(chosen.parameters, values, export.check(outputs))
     with _progress():
         design = chosen.build(values, timeout_s=template_timeout).written(outputs)
     if as_json:

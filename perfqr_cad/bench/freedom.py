@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from statistics import median
 from time import process_time
 from typing import Final
@@ -53,8 +54,8 @@ def _everyday() -> Table:
 
 def _bridges(text: str) -> tuple[int, int, int, float, str, int]:
     spec = PatternSpec(size_mm=SIZE_MM)
-    masked = chosen(text, spec, free=frozenset({"mask"}))
-    ours = chosen(text, spec)
+    masked = chosen(partial(encode, text), spec, free=frozenset({"mask"}))
+    ours = chosen(partial(encode, text), spec)
     ordinary, by_mask, by_us = (build(one, spec) for one in (masked.plain, masked.symbol, ours.symbol))
     counts = [len(pattern.bridges) for pattern in (ordinary, by_mask, by_us)]
     versions = f"{masked.symbol.version} to {ours.symbol.version}"

@@ -262,7 +262,7 @@ def _is_mirrored(grid: Grid) -> bool:
 def _failure(name: str, picture: Picture, effort: Effort, fit: float, damage: str) -> str:
     other = None if effort.is_cut_short else other_code(picture, lookalikes=fit >= GOOD_FIT)
     if other is not None:
-        return f"{name} holds no QR code but {other}; make a QR code (Model 2) of its text with --text"
+        return f"{name} holds no QR code but {other}; make a QR code (Model 2) of its text"
     if fit >= GOOD_FIT:
         return f"the code in {name} cannot be read: {damage}"
     height, width = picture.shape[:2]

@@ -82,8 +82,8 @@ class FileRecord:
         return asdict(self)
 
 
-def check(outputs: Sequence[str | Path]) -> None:
-    """Refuse, before any long computation, what `write_outputs` could not write.
+def check(outputs: Sequence[str | Path]) -> frozenset[str]:
+    """Refuse, before any long computation, what `write_outputs` could not write; suffixes of what it will.
 
     Raises `DesignError` for an unknown suffix, a name that is to be a file and a folder, and a folder or a
     name that cannot be written to.
@@ -94,6 +94,7 @@ def check(outputs: Sequence[str | Path]) -> None:
         if taken := next((folder for folder in target.parents if folder in targets), None):
             raise DesignError(f"{taken} cannot be a file and a folder: name one of them otherwise")
         check_writable(target)
+    return frozenset(target.suffix.lower() for target in targets)
 
 
 def write(design: DesignView, path: str | Path, options: Options = DEFAULT) -> FileRecord:

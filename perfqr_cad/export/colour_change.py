@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.remedy import Remedy
 
 if TYPE_CHECKING:
     from perfqr_cad.profile.colour import Colour
@@ -40,7 +41,7 @@ def colour_changes(solid: Solid) -> tuple[ColourChange, ...]:
     parts.
     """
     if not solid.extras:
-        raise DesignError("a change of colour by layer needs a second body: give --backing 1, say")
+        raise DesignError("a change of colour by layer needs a second body, such as a backing")
     bodies = sorted([solid, *solid.extras], key=lambda body: body.bbox_mm[0][2])
     bed_mm = bodies[0].bbox_mm[0][2]
     changes: list[ColourChange] = []
@@ -49,7 +50,8 @@ def colour_changes(solid: Solid) -> tuple[ColourChange, ...]:
         if low_mm < high_mm - SHARED_MM:
             raise DesignError(
                 f"{above.name} and {below.name} share {high_mm - low_mm:.3g} mm of height, which a change of"
-                " colour by layer cannot part: leave --colour-change out, for two tools"
+                " colour by layer cannot part",
+                Remedy(colour_change=None),
             )
         changes.append(ColourChange(round(low_mm - bed_mm, 6), above.name, above.colour))
     return tuple(changes)

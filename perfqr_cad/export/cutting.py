@@ -15,6 +15,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.export.design_view import DesignView, face
 from perfqr_cad.geometry import Circle, Loop, Region
 from perfqr_cad.geometry.mirror import mirrored
+from perfqr_cad.remedy import Remedy
 
 PATH_TOL_MM = 0.002  # of a path beside a curve, which is one of chords
 SHARPEST = 5.0  # mitre limit of a path around a corner, in kerfs from it
@@ -74,8 +75,9 @@ def _beside(loop: Loop, by_mm: float) -> Loop:
     if not isinstance(moved, shapely.Polygon) or moved.is_empty:
         x, y = flat.centroid.x, flat.centroid.y
         raise DesignError(
-            f"the hole at ({x:.1f}, {y:.1f}) is narrower than a kerf of {2 * abs(by_mm):g} mm: "
-            "take a smaller --kerf or a larger --size"
+            f"the hole at ({x:.1f}, {y:.1f}) is narrower than a kerf of {2 * abs(by_mm):g} mm",
+            Remedy(kerf_mm=None),
+            "a larger part",
         )
     return Loop.from_points(shapely.get_coordinates(moved.exterior)[:-1]).oriented(ccw=loop.area > 0)
 

@@ -18,9 +18,8 @@ from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.pipeline.design import Design
 from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
 from perfqr_cad.pipeline.holding import attempts
-from perfqr_cad.pipeline.manufacture import is_cut
 from perfqr_cad.pipeline.promises import promises, require_kept
-from perfqr_cad.pipeline.request import SETTINGS, Request
+from perfqr_cad.pipeline.request import CUT, SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
 from perfqr_cad.pipeline.source import source
@@ -64,12 +63,12 @@ def run(request: Request, target: Target | None = None) -> Design:
     change with which the part was made and holds, or says what was tried.
     """
     shortfalls: list[NotHeldError] = []
-    for attempt in attempts(request):
+    for attempt in attempts(request, plate=target is None):
         try:
             return _once(attempt, target)
         except NotHeldError as shortfall:
             shortfalls.append(shortfall)
-    raise advised(shortfalls[0], request, lambda changed: _once(changed, target))
+    raise advised(shortfalls[0], request, lambda tried: _once(tried, target), plate=target is None)
 
 
 def _once(request: Request, target: Target | None) -> Design:
@@ -87,7 +86,7 @@ def _once(request: Request, target: Target | None) -> Design:
         )
     with watch("placement"):
         site = locate(target, terms, drawn.extent_mm)
-    if request.scan_tilt_deg and not is_cut(request):
+    if request.scan_tilt_deg and request.process not in CUT:
         with watch("tuning"):
             terms = for_reader(terms, drawn, site.placement.thickness_mm, plate=target is None)
         if target is None:  # its thickness may be another now

@@ -56,7 +56,9 @@ def require_kept(made: Iterable[Promise]) -> None:
         if not promise.kept:
             raise DesignError(
                 f"the finished part fails its check of {promise.name}: {promise.value}, must be "
-                f"{promise.limit}; take it larger (--size), or give the text itself instead of a picture"
+                f"{promise.limit}",
+                "a larger code",
+                "the text itself instead of a picture",
             )
 
 

@@ -11,11 +11,19 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from perfqr_cad.content import CONTENTS
 from perfqr_cad.errors import DesignError
+from perfqr_cad.pipeline.effect import require_effect
 from perfqr_cad.pipeline.parameter import Parameter
 from perfqr_cad.pipeline.setting import declarations, listed, setting
 
 MOST_LETTERS = 7089  # of a payload, all digits: version 40-L, ISO/IEC 18004 Table 7
+# What all kinds of content share (`perfqr_cad.content`): parts, or @FILE with a part a line.
+CONTENT: dict[str, Any] = {"empty": "none", "max_length": MOST_LETTERS, "visible": True}
+WRITTEN = ("text", "bytes", *CONTENTS)  # what a code is drawn from
+SOURCES = ("text", "image", *WRITTEN[1:])  # exactly one of them is given
+LOADS = ("load", "pressure", "finger", "own_weight", "handling")  # settings that ask for strength
+CUT = ("laser", "waterjet", "knife", "stencil")  # processes that cut sheets
 MOST_CAPTION = 500  # letters that a frame could bear
 
 
@@ -37,23 +45,83 @@ class Request:
     image: str | None = setting(
         None, "a picture of a code, instead of a text", group="Code", empty="none", visible=True
     )
+    url: str | None = setting(
+        None, "a web address, instead of a text; escaped where needed", group="Code", **CONTENT
+    )
+    wifi: str | None = setting(
+        None, "a login: ssid=…; password=…; security=WPA, WEP or nopass; hidden=yes", group="Code", **CONTENT
+    )
+    vcard: str | None = setting(
+        None, "a business card: name=…; org=…; phone=…; email=…; url=…; city=… …", group="Code", **CONTENT
+    )
+    event: str | None = setting(
+        None, "an event: title=…; start=2027-05-01T10:00; end=…; place=…; text=…", group="Code", **CONTENT
+    )
+    geo: str | None = setting(None, "a place: latitude,longitude in degrees", group="Code", **CONTENT)
+    epc: str | None = setting(
+        None, "a SEPA transfer: name=…; iban=…; amount=…; text=… or reference=…", group="Code", **CONTENT
+    )
+    sms: str | None = setting(None, "a short message: to=+41…; text=…", group="Code", **CONTENT)
+    tel: str | None = setting(None, "a telephone number", group="Code", **CONTENT)
+    email: str | None = setting(None, "a letter: to=…; subject=…; body=…", group="Code", **CONTENT)
+    gs1: str | None = setting(
+        None, "GS1 elements: (01)09506000134352(10)AB-1, marked by FNC1", group="Code", **CONTENT
+    )
+    gs1_link: str | None = setting(
+        None,
+        "a domain, such as https://id.gs1.org: the GS1 elements become an address there (Digital Link)",
+        group="Code",
+        needs=("gs1",),
+        empty="an element string",
+        max_length=200,
+        visible=True,
+    )
+    bytes: str | None = setting(
+        None, "a file whose bytes are the code's content", group="Code", empty="none", visible=True
+    )
+    no_eci: bool = setting(
+        False,
+        "text beyond ASCII goes without its label as UTF-8 (ECI 26): some readers then guess wrong",
+        group="Code",
+        needs=WRITTEN,
+    )
     which: int | None = setting(
-        None, "which of several codes in the picture", group="Code", range=(1, 100), empty="the only one"
+        None,
+        "which of several codes in the picture",
+        group="Code",
+        needs=("image",),
+        range=(1, 100),
+        empty="the only one",
     )
     level: str = setting(
-        "M", "error correction level", group="Code", choices=("L:7 %", "M:15 %", "Q:25 %", "H:30 %")
+        "M",
+        "error correction level",
+        group="Code",
+        needs=WRITTEN,
+        choices=("L:7 %", "M:15 %", "Q:25 %", "H:30 %"),
     )
     version: int | None = setting(
-        None, "symbol version", group="Code", range=(1, 40), empty="the smallest that fits, or the next"
+        None,
+        "symbol version",
+        group="Code",
+        needs=WRITTEN,
+        range=(1, 40),
+        empty="the smallest that fits, or the next",
     )
     mask: int | None = setting(
-        None, "mask of the symbol", group="Code", range=(0, 7), empty="the one that needs the fewest bridges"
+        None,
+        "mask of the symbol",
+        group="Code",
+        needs=WRITTEN,
+        range=(0, 7),
+        empty="the one that needs the fewest bridges",
     )
     freedom: str = setting(
         "mask,segment,pad,version",
         "what of a text's code may be chosen so that it needs fewer bridges, with commas between: mask,"
         " segment (cut in several modes), pad (bits after its end), version (the next larger one); or none",
         group="Code",
+        needs=WRITTEN,
         max_length=100,
     )
     size_mm: float | None = setting(
@@ -83,6 +151,7 @@ class Request:
         "smooth",
         "edges of free-form art",
         group="Look",
+        needs=("image",),
         choices=("smooth:curves", "exact:the pixels' own"),
     )
     finder: str = setting(
@@ -92,13 +161,28 @@ class Request:
         choices=("recessed:at the back", "panel:flush bars", "diagonal:four corner bars"),
     )
     bars: int | None = setting(
-        None, "recessed bars of a finder ring", group="Look", range=(1, 2), empty="as reads best"
+        None,
+        "recessed bars of a finder ring",
+        group="Look",
+        needs=("finder=recessed",),
+        range=(1, 2),
+        empty="as reads best",
     )
     bar_height_mm: float | None = setting(
-        None, "their height above the back", group="Look", range=(0.05, 100.0), empty="as reads best"
+        None,
+        "their height above the back",
+        group="Look",
+        needs=("finder=recessed",),
+        range=(0.05, 100.0),
+        empty="as reads best",
     )
     bar_width_mm: float | None = setting(
-        None, "their width", group="Look", range=(0.05, 100.0), empty="as reads best"
+        None,
+        "their width",
+        group="Look",
+        needs=("finder=recessed",),
+        range=(0.05, 100.0),
+        empty="as reads best",
     )
     objective: str = setting(
         "optimal",
@@ -125,6 +209,7 @@ class Request:
         "width that the cutter takes away; paths in DXF and SVG files keep half of it off the part,"
         " 0 leaves that to the cutter's program",
         group="Walls",
+        needs=tuple(f"process={way}" for way in CUT),
         range=(0.0, 10.0),
     )
     draft_deg: float | None = setting(
@@ -172,6 +257,7 @@ class Request:
         None,
         "height of the caption's capital letters",
         group="Body",
+        needs=("caption",),
         range=(0.1, 1000.0),
         empty="half of the frame, or what its lines leave",
     )
@@ -179,12 +265,14 @@ class Request:
         "bottom",
         "on which side of the code the caption stands",
         group="Body",
+        needs=("caption",),
         choices=("bottom:below", "top:above"),
     )
     font: str | None = setting(
         None,
         "font of the caption: the name of an installed one, or a file",
         group="Body",
+        needs=("caption",),
         empty="DejaVu Sans, which comes along",
         visible=True,
     )
@@ -192,6 +280,7 @@ class Request:
         0.4,
         "how far letters stand out of the face; below 0 they are engraved",
         group="Body",
+        needs=("caption",),
         range=(-100.0, 100.0),
     )
     backing_mm: float | None = setting(
@@ -201,7 +290,9 @@ class Request:
         range=(0.05, 500.0),
         empty="none",
     )
-    gap_mm: float = setting(0.0, "gap before the backing", group="Body", range=(0.0, 500.0))
+    gap_mm: float = setting(
+        0.0, "gap before the backing", group="Body", needs=("backing",), range=(0.0, 500.0)
+    )
     mirror: bool = setting(
         False, "the face is drawn mirrored, to be read from behind: for stamps and moulds", group="Body"
     )
@@ -251,6 +342,7 @@ class Request:
         "optimal",
         "how bridges for strength are chosen",
         group="Strength",
+        needs=LOADS,
         choices=("optimal:fewest and least harmful", "paper:Algorithm 1"),
     )
     verify_solid: bool = setting(False, "check the strength once more in three dimensions", group="Strength")
@@ -281,7 +373,10 @@ class Request:
         max_length=200,
     )
     accept_weak: bool = setting(
-        False, "write the part although it does not bear a load that was asked for", group="Proof"
+        False,
+        "write the part although it does not bear a load that was asked for",
+        group="Proof",
+        needs=LOADS,
     )
     accept_unread: bool = setting(
         False, "write the part although it is not read as it should be", group="Proof"
@@ -292,30 +387,42 @@ class Request:
         "r2000",
         "version of DXF files",
         group="Files",
+        needs=(".dxf",),
         choices=("r2000", "r12:for old programs"),
     )
-    dxf_bridges: bool = setting(False, "draw bridges in DXF files, on a frozen layer", group="Files")
+    dxf_bridges: bool = setting(
+        False, "draw bridges in DXF files, on a frozen layer", group="Files", needs=(".dxf",)
+    )
     svg: str = setting(
         "filled",
         "kind of SVG files",
         group="Files",
+        needs=(".svg",),
         choices=("filled:a picture", "cut:hairlines in the colours of a cutter"),
     )
     split_stl: bool = setting(
-        False, "an STL file for each colour: part-backing.stl beside part.stl", group="Files"
+        False,
+        "an STL file for each colour: part-backing.stl beside part.stl",
+        group="Files",
+        needs=(".stl",),
     )
     colour_change: bool = setting(
-        False, "3MF files change the colour between layers, for one nozzle, not the tool", group="Files"
+        False,
+        "3MF files change the colour between layers, for one nozzle, not the tool",
+        group="Files",
+        needs=(".3mf",),
     )
 
     def __post_init__(self) -> None:
-        if (self.text is None) == (self.image is None):
-            raise DesignError("give either a text or a picture (--image FILE), not both and not neither")
+        given = [name for name in SOURCES if getattr(self, name) is not None]
+        if not given:
+            raise DesignError("nothing to encode: give a text, a picture (--image FILE), --url, --wifi, …")
+        if len(given) > 1:
+            raise DesignError(f"{' and '.join(given)} are given together: give one of them, not both")
         for declared in SETTINGS:
-            given = getattr(self, declared.field)
-            object.__setattr__(self, declared.field, declared.check(given, declared.field))
-        if self.which is not None and self.image is None:
-            raise DesignError("which chooses among the codes in a picture, and none is given: leave it out")
+            value = declared.check(getattr(self, declared.field), declared.field)
+            object.__setattr__(self, declared.field, value)
+        require_effect(SETTINGS, {declared.name: getattr(self, declared.field) for declared in SETTINGS})
         if len([hole for hole in self.hole_mm if len(hole) == 1]) > 1:
             raise DesignError("hole: two diameters for the holes in the corners: give one, or x,y,diameter")
 

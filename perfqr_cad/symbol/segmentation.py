@@ -20,8 +20,10 @@ _SIXTHS_OF: Final[dict[AsciiMode, int]] = {"numeric": 20, "alphanumeric": 33, "b
 _LETTERS: Final[dict[AsciiMode, str]] = {"numeric": "0123456789", "alphanumeric": ALPHANUMERIC}
 
 
-def segmentation(text: str, version: int) -> tuple[tuple[AsciiMode, str], ...]:
+def segmentation(text: str, version: int, fnc1: bool = False) -> tuple[tuple[AsciiMode, str], ...]:
     """Modes and letters of the segments of an ASCII text that need the fewest bits in symbols of a version.
+
+    fnc1  "%" stays in bytes: behind FNC1 it means a separator in alphanumeric mode (§7.4.8.2)
 
     >>> segmentation("https://example.com/p/1234567", 3)
     (('byte', 'https://example.com/p/'), ('numeric', '1234567'))
@@ -30,7 +32,7 @@ def segmentation(text: str, version: int) -> tuple[tuple[AsciiMode, str], ...]:
     # Of the letters so far, by the mode of the last: cost in sixths of a bit, and the mode of each letter.
     best: dict[AsciiMode, tuple[int, tuple[AsciiMode, ...]]] = {}
     for letter in text:
-        best = {mode: _extended(best, mode, heads[mode]) for mode in _modes_of(letter)}
+        best = {mode: _extended(best, mode, heads[mode]) for mode in _modes_of(letter, fnc1)}
     modes = min(best.values(), key=lambda way: _whole(way[0]))[1]
     pairs = zip(modes, text, strict=True)
     return tuple(
@@ -38,7 +40,9 @@ def segmentation(text: str, version: int) -> tuple[tuple[AsciiMode, str], ...]:
     )
 
 
-def _modes_of(letter: str) -> list[AsciiMode]:
+def _modes_of(letter: str, fnc1: bool) -> list[AsciiMode]:
+    if fnc1 and letter == "%":
+        return ["byte"]
     return [mode for mode in _SIXTHS_OF if letter in _LETTERS.get(mode, letter)]
 
 

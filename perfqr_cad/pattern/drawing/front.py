@@ -13,6 +13,7 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Line, Loop, Point, Points, Region, Segment
 from perfqr_cad.pattern.bridge import Bridge
+from perfqr_cad.remedy import Remedy
 
 ON_EDGE_MM = 1e-6  # rounding of coordinates
 
@@ -50,8 +51,7 @@ def front_with_bars(front: Sequence[Region], bars: Sequence[Bridge]) -> Region:
         outers = [loop for loop in kept if id(loop) in known] + [loop for loop in changed if loop.area > 0]
     if len(outers) != 1:
         raise DesignError(
-            f"{len(outers)} pieces are left after bridging, 1 is needed:"
-            " use a larger --size or a finer nozzle"
+            f"{len(outers)} pieces are left after bridging, 1 is needed", "a larger code", "a finer nozzle"
         )
     return Region(outers[0], tuple(loop for loop in loops if loop is not outers[0]))
 
@@ -126,8 +126,8 @@ class _Outline:
         at = edge_under(middle, *self._ends)
         if at is None:
             raise DesignError(
-                f"a recessed bar ends at ({middle[0]:.2f}, {middle[1]:.2f}) mm on no straight edge:"
-                " use --finder panel"
+                f"a recessed bar ends at ({middle[0]:.2f}, {middle[1]:.2f}) mm on no straight edge",
+                Remedy(finder="panel"),
             )
         edge = self._segments[at]
         after = self._after[at]

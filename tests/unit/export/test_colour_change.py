@@ -34,12 +34,12 @@ def test_heights_count_from_the_lowest_body_whatever_their_order(plate):
 def test_bodies_that_share_heights_are_refused(plate):
     solid = plate.with_backing().solid
     sunk = replace(solid, extras=(lifted(solid.extras[0], 0.25),))
-    with pytest.raises(DesignError, match=r"test-part and backing share 0\.25 mm of height.*colour-change"):
+    with pytest.raises(DesignError, match=r"test-part and backing share 0\.25 mm.*use no --colour-change"):
         colour_changes(sunk)
 
 
 def test_one_body_has_no_second_colour(plate):
-    with pytest.raises(DesignError, match=r"needs a second body: give --backing 1"):
+    with pytest.raises(DesignError, match=r"needs a second body"):
         colour_changes(plate.solid)
 
 
@@ -53,7 +53,7 @@ def test_the_certificate_says_where(plate, tmp_path):
 
 def test_asked_for_without_a_backing_it_is_refused_before_the_work(monkeypatch):
     monkeypatch.setattr("perfqr_cad.pipeline.chain.source", None)
-    with pytest.raises(DesignError, match=r"colour_change needs a second colour: give --backing 1"):
+    with pytest.raises(DesignError, match=r"needs a second colour: use --backing 1"):
         make("hi", colour_change=True)
 
 

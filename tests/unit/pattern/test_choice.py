@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
@@ -12,6 +13,7 @@ from perfqr_cad.pattern.choice import FREEDOMS, chosen, easiest
 from perfqr_cad.symbol import encode, payload_of
 
 TEXT = "https://example.com/p/1234567"
+WRITE = partial(encode, TEXT)
 
 
 @pytest.mark.parametrize("tone", ["normal", "inverted"])
@@ -50,32 +52,34 @@ def test_free_bits_save_most_bridges(version: int, tone):
 
 
 def test_the_next_version_is_taken_where_it_is_worth_it():
-    choice = chosen(TEXT, PatternSpec(size_mm=60))
-    kept = chosen(TEXT, PatternSpec(size_mm=60), free=frozenset(FREEDOMS) - {"version"})
+    choice = chosen(WRITE, PatternSpec(size_mm=60))
+    kept = chosen(WRITE, PatternSpec(size_mm=60), free=frozenset(FREEDOMS) - {"version"})
     assert (kept.symbol.version, choice.symbol.version) == (3, 4)
     assert choice.left.area < 0.85 * kept.left.area
     assert payload_of(choice.symbol).text == payload_of(choice.plain).text == TEXT
-    assert chosen(TEXT, PatternSpec(size_mm=45)).symbol.version == 3  # modules of 1.1 mm cannot be made
-    assert chosen(TEXT, PatternSpec()).symbol.version == 3  # the size is open: it would grow
+    assert chosen(WRITE, PatternSpec(size_mm=45)).symbol.version == 3  # modules of 1.1 mm cannot be made
+    assert chosen(WRITE, PatternSpec()).symbol.version == 3  # the size is open: it would grow
     bare = PatternSpec(size_mm=60, quiet_modules=1)
-    assert chosen("LOT 7731 / 2027-05", bare).symbol.version == 1  # modules would shrink by a seventh
+    assert (
+        chosen(partial(encode, "LOT 7731 / 2027-05"), bare).symbol.version == 1
+    )  # modules would shrink by a seventh
 
 
 def test_what_is_asked_for_stays():
-    choice = chosen(TEXT, PatternSpec(size_mm=60), version=5, mask=2, level="Q")
+    choice = chosen(partial(encode, TEXT, level="Q"), PatternSpec(size_mm=60), version=5, mask=2)
     assert (choice.symbol.version, choice.symbol.mask, choice.symbol.level) == (5, 2, "Q")
     assert choice.pads_are_free
 
 
 def test_without_freedom_it_is_the_ordinary_symbol():
-    choice = chosen(TEXT, PatternSpec(size_mm=60), free=frozenset())
+    choice = chosen(WRITE, PatternSpec(size_mm=60), free=frozenset())
     assert choice.symbol == choice.plain == encode(TEXT)
     assert not choice.pads_are_free
-    segments = chosen(TEXT, PatternSpec(size_mm=60), free=frozenset({"segment"}))
+    segments = chosen(WRITE, PatternSpec(size_mm=60), free=frozenset({"segment"}))
     assert not segments.pads_are_free
     assert [segment.mode for segment in payload_of(segments.symbol).segments] == ["byte", "numeric"]
 
 
 def test_the_same_seed_chooses_the_same():
     spec = PatternSpec(size_mm=60, seed=3)
-    assert chosen(TEXT, spec).symbol == chosen(TEXT, spec).symbol
+    assert chosen(WRITE, spec).symbol == chosen(WRITE, spec).symbol

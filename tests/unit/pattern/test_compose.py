@@ -26,7 +26,7 @@ def test_one_polygon_before_and_after_erosion(version):
 
 def test_a_size_too_small_names_the_least_that_works():
     symbol = encode(TEXT, version=3, level="L")
-    with pytest.raises(DesignError, match=r"--size (\d+\.?\d*) or more") as error:
+    with pytest.raises(DesignError, match=r"use --size (\d+\.?\d*) or a finer") as error:
         build(symbol, PatternSpec(size_mm=20))
     least = float(str(error.value).split("--size ")[1].split()[0])
     assert build(symbol, PatternSpec(size_mm=least)).size_mm == pytest.approx(least)

@@ -96,7 +96,7 @@ def test_a_change_that_does_not_help_is_not_called_a_remedy() -> None:
         raise DesignError("never")
 
     told = str(advised(UnreadError("black before black"), Request("a", colour="black"), never))
-    assert "tried without success: no --colour and --ground of your own" in told
+    assert "tried without success: no --colour; --thickness" in told
 
 
 def test_the_chain_looks_for_a_remedy_once(monkeypatch: pytest.MonkeyPatch) -> None:

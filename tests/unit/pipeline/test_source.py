@@ -26,8 +26,8 @@ def test_all_freedoms_by_default() -> None:
     assert payload_of(made.symbol).text == TEXT
     fewer, many = len(made.choice.left.corners), len(made.choice.left_plain.corners)
     assert chosen_words(made.choice) == [
-        f"chosen    rather than version 3-M, mask {made.choice.plain.mask}: {fewer} corners to be joined instead "
-        f"of {many}, by the bits after its end"
+        f"chosen    rather than version 3-M, mask {made.choice.plain.mask}: {fewer} corners to be joined "
+        f"instead of {many}, by the bits after its end"
     ]
 
 
