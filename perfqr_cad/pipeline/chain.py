@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,9 +29,11 @@ from perfqr_cad.pipeline.tuning import for_reader
 from perfqr_cad.progress import tell
 
 if TYPE_CHECKING:
+    from perfqr_cad.geometry import Triangles
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Solid
+    from perfqr_cad.surface import Placement
 
 
 @takes(SETTINGS)
@@ -134,13 +137,16 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
 
 
 def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanReport:
-    """What the decoders make of the finished solid."""
+    """What the decoders make of the finished solid; of a stencil's, of the picture that is painted."""
     from perfqr_cad import scan
+    from perfqr_cad.profile.sheets import PAINTED, STENCIL
     from perfqr_cad.symbol import payload_of
 
-    return scan.certify(
-        solid.triangles,
-        site.placement,
+    painted = terms.request.process == STENCIL
+    triangles, placement = _painted(pattern) if painted else (solid.triangles, site.placement)
+    report = scan.certify(
+        triangles,
+        placement,
         pattern,
         payload_of(pattern.symbol).data,
         schedule=terms.views,
@@ -148,6 +154,19 @@ def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanRep
         seed=terms.request.seed,
         behind=site.behind(solid),
     )
+    return replace(report, warnings=(*report.warnings, PAINTED)) if painted else report
+
+
+def _painted(pattern: Pattern) -> tuple[Triangles, Placement]:
+    """What stays bare of a wall that is painted through a stencil, as a sheet of next to no thickness."""
+    from perfqr_cad.profile import Profile
+    from perfqr_cad.profile.sheets import PAINT_MM, bare
+    from perfqr_cad.solid import build_profile
+    from perfqr_cad.surface import Plane
+
+    wall = Plane(PAINT_MM)
+    first, *others = (build_profile(Profile((p,)), wall).triangles for p in bare(pattern.region))
+    return first.joined(*others), wall
 
 
 class _Stopwatch:

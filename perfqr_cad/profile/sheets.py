@@ -5,12 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.geometry.outline import Region
 from perfqr_cad.remedy import Remedy
 
 METALS = ("aluminium", "steel", "stainless")
 METAL_WEB = 0.5  # of the thickness: narrower webs burn away or bend, a common rule of cutting shops
 ENGRAVED_MM = 0.2  # depth of letters that a beam marks, where no depth is asked for,
 ENGRAVED_SHARE = 0.25  # or this share of a thinner sheet
+STENCIL = "stencil"
+OVERSPRAY_MM = 0.3  # that paint creeps under the edges of a stencil held against the wall
+PAINT_MM = 0.05  # thickness of the picture that is filmed: none to speak of
+PAINTED = f"filmed: the picture painted through the stencil, holes {OVERSPRAY_MM:g} mm wider all around"
 
 
 @dataclass(frozen=True)
@@ -67,3 +72,22 @@ CUTTING: dict[str, Cutting] = {
         Cutting("stencil", 1.0, 0.4, 0.1, 2.0),  # cut by a laser, painted through: letters would fall out
     )
 }
+
+
+def bare(stencil: Region, overspray_mm: float = OVERSPRAY_MM) -> tuple[Region, ...]:
+    """What of the wall behind a stencil stays bare when it is painted: bars that paint creeps under are gone.
+
+    >>> from perfqr_cad.geometry import Loop
+    >>> hole = Loop.from_points([(1, 1), (1, 2), (2, 2), (2, 1)])
+    >>> sheet = Region(Loop.from_points([(0, 0), (4, 0), (4, 3), (0, 3)]), (hole,))
+    >>> [round(piece.area, 9) for piece in bare(sheet, 0.25)]
+    [9.75]
+    """
+    import shapely
+
+    whole = stencil.polygon()
+    holes = shapely.unary_union(
+        [shapely.Polygon(ring).buffer(overspray_mm, join_style="mitre") for ring in whole.interiors]
+    )
+    left = shapely.get_parts(shapely.Polygon(whole.exterior).difference(holes))
+    return tuple(Region.from_polygon(piece) for piece in left)

@@ -10,13 +10,16 @@ from ezdxf import path as paths
 from perfqr_cad import make
 from perfqr_cad.errors import DesignError
 from perfqr_cad.export import cutting
+from perfqr_cad.geometry import Loop, Region
 from perfqr_cad.pipeline.request import Request
 from perfqr_cad.pipeline.resolve import makeable, resolve
 from perfqr_cad.pipeline.targets import Sheet
+from perfqr_cad.profile import sheets
 from perfqr_cad.profile.sheets import CUTTING
 from perfqr_cad.surface import Cylinder
 
 KERF_MM = 0.3
+_bare = sheets.bare
 
 
 @pytest.fixture(scope="module")
@@ -134,3 +137,25 @@ def test_a_bent_wall_is_no_sheet():
 def test_printers_are_asked_for_nothing():
     request = Request("A", process="resin", depth_mm=0.8)
     assert makeable(request, plate=False) is request
+
+
+def test_of_a_stencil_the_painted_picture_is_filmed(monkeypatch):
+    """Paint creeps: where it covers all, nobody reads the wall, though the stencil itself is as it was."""
+    made = make("HELLO", size_mm=46, thickness_mm=0.5, process="stencil", freedom="none")
+    assert sheets.PAINTED in made.scan.warnings
+    assert set(made.scan.readers) == {"zxing-cpp", "zbar", "wechat", "opencv"}
+    assert cutting.is_extrusion(made)
+    monkeypatch.setattr(sheets, "bare", lambda region: _bare(region, 0.75))
+    covered = make(
+        "HELLO", size_mm=46, thickness_mm=0.5, process="stencil", freedom="none", accept_unread=True
+    )
+    assert len(covered.scan.readers) < 2
+
+
+def test_paint_makes_holes_wider_and_leaves_the_rim():
+    hole = Loop.from_points([(1, 1), (1, 2), (2, 2), (2, 1)])
+    sheet = Region(Loop.from_points([(0, 0), (4, 0), (4, 3), (0, 3)]), (hole,))
+    [left] = sheets.bare(sheet, 0.25)
+    assert left.polygon().bounds == (0, 0, 4, 3)
+    assert len(sheets.bare(sheet, 1.0)) == 1  # the hole breaks through the rim on two sides
+    assert sheets.bare(sheet, 1.0)[0].area == pytest.approx(12 - 9)
