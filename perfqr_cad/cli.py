@@ -30,7 +30,7 @@ app = typer.Typer(
 )
 
 BENCHMARKS = ("symbol", "capture", "pattern", "finder", "margin", "structure", "solid", "scan", "spine")
-BAD_INPUT, NOT_HELD, INTERRUPTED = 2, 3, 130  # exit codes; 130 is the shell's own for an interrupt
+NOT_HELD, INTERRUPTED = 3, 130  # exit codes; 130 is the shell's own for an interrupt
 EXPERIMENTS = ("table1", "table2", "fig9", "fig11", "fig14", "colours", "materials", "limits", "bunny")
 
 
@@ -55,7 +55,7 @@ def make(
     set_file: Annotated[Path | None, _option("-p", help="OpenSCAD parameter sets (JSON).")] = None,
     set_name: Annotated[str | None, _option("-P", help="The parameter set to take from -p.")] = None,
     template_timeout: Annotated[
-        float, _option("--template-timeout", help="CPU seconds that a template's own code may take.")
+        float, _option("--template-timeout", help="Seconds that a template's own code may compute, or wait.")
     ] = 60.0,
     as_json: _Json = False,
     **_: Any,
@@ -192,7 +192,7 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     except (PerfQRError, typer.TyperException) as error:
         message = error.format_message() if isinstance(error, typer.TyperException) else str(error)
         typer.echo("error: " + " ".join(message.split()), err=True)
-        status = NOT_HELD if isinstance(error, NotHeldError) else BAD_INPUT
+        status = NOT_HELD if isinstance(error, NotHeldError) else supervised.BAD_INPUT
     except (typer.Abort, KeyboardInterrupt):
         status = INTERRUPTED
     sys.exit(status or 0)
