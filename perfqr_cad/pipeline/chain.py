@@ -17,7 +17,7 @@ from perfqr_cad.errors import DesignError, NotHeldError
 from perfqr_cad.pipeline.design import Design
 from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
 from perfqr_cad.pipeline.holding import attempts
-from perfqr_cad.pipeline.promises import promises, require_kept
+from perfqr_cad.pipeline.promises import of_code, promises, require_kept
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
@@ -82,6 +82,7 @@ def _once(request: Request, target: Target | None) -> Design:
         capture, symbol = _source(request, terms)
     with watch("pattern"):
         drawn = patterns.build(symbol, terms.drawing, None if capture is None else capture.art)
+    require_kept(of_code(drawn))
     with watch("placement"):
         site = locate(target, terms, drawn.extent_mm)
     if request.scan_tilt_deg:
