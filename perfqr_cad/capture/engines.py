@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from perfqr_cad.isolated import IsolationError, Limits, Message, kept
 from perfqr_cad.symbol import size_of
 
+MODEL_1 = "QR Code Model 1"  # AIM identifier ]Q0; of 1994, without alignment patterns and laid out otherwise
 LIMITS = Limits(cpu_s=5.0)  # one engine at one photograph of 12 megapixels takes 1 s; at noise, minutes
 
 
@@ -52,7 +53,7 @@ def engines() -> Callable[[Message], Message]:
         "wechat": lambda image: _wechat(wechat, image),
         "opencv": lambda image: _opencv(cv2, image),
         "other": lambda image: (
-            (str(code.format), code.text)
+            (MODEL_1 if code.symbology_identifier == "]Q0" else str(code.format), code.text)
             for code in zxingcpp.read_barcodes(image, formats=zxingcpp.BarcodeFormats(others))
         ),
     }

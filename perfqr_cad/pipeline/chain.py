@@ -21,16 +21,15 @@ from perfqr_cad.pipeline.promises import of_code, promises, require_kept
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
+from perfqr_cad.pipeline.source import source
 from perfqr_cad.pipeline.targets import Site, Target, locate
 from perfqr_cad.pipeline.tuning import for_reader
 from perfqr_cad.progress import tell
 
 if TYPE_CHECKING:
-    from perfqr_cad.capture import Capture
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Solid
-    from perfqr_cad.symbol import Level, Symbol
 
 
 @takes(SETTINGS)
@@ -79,9 +78,11 @@ def _once(request: Request, target: Target | None) -> Design:
     require_known(request)
     terms = resolve(request, plate=target is None)
     with watch("symbol"):
-        capture, symbol = _source(request, terms)
+        found = source(request, terms)
     with watch("pattern"):
-        drawn = patterns.build(symbol, terms.drawing, None if capture is None else capture.art)
+        drawn = patterns.build(
+            found.symbol, terms.drawing, None if found.capture is None else found.capture.art
+        )
     require_kept(of_code(drawn))
     with watch("placement"):
         site = locate(target, terms, drawn.extent_mm)
@@ -107,8 +108,7 @@ def _once(request: Request, target: Target | None) -> Design:
     require_read(request, report)
     return Design(
         terms.request,
-        capture,
-        symbol,
+        found,
         reinforced.pattern,
         site.placement,
         reinforced,
@@ -129,23 +129,6 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
     from perfqr_cad.hosts.step.meshing import mesh_step
 
     return scan.part(path, text, mesh_step=mesh_step)
-
-
-def _source(request: Request, terms: Terms) -> tuple[Capture | None, Symbol]:
-    """The symbol of a text, masked so that its material hangs together, or of the code in a picture with its
-    codewords corrected."""
-    if request.image is not None:
-        from perfqr_cad.capture import read
-
-        capture = read(request.image, request.which)
-        return capture, capture.recovery.symbol
-    from perfqr_cad.pattern.choice import easiest_mask
-    from perfqr_cad.symbol import encode
-
-    assert request.text is not None  # Request holds exactly one of text and image
-    level: Level = request.level  # pyright: ignore[reportAssignmentType]  # encode refuses other letters
-    symbol = encode(request.text, version=request.version, level=level, mask=request.mask)
-    return None, symbol if request.mask is not None else easiest_mask(symbol, terms.drawing)
 
 
 def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanReport:

@@ -11,12 +11,17 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from perfqr_cad.content import CONTENTS
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pipeline.effect import require_effect
 from perfqr_cad.pipeline.parameter import Parameter
 from perfqr_cad.pipeline.setting import declarations, listed, setting
 
 MOST_LETTERS = 7089  # of a payload, all digits: version 40-L, ISO/IEC 18004 Table 7
+# What all kinds of content share (`perfqr_cad.content`): parts, or @FILE with a part a line.
+CONTENT: dict[str, Any] = {"empty": "none", "max_length": MOST_LETTERS, "visible": True}
+WRITTEN = ("text", "bytes", *CONTENTS)  # what a code is drawn from
+SOURCES = ("text", "image", *WRITTEN[1:])  # exactly one of them is given
 LOADS = ("load", "pressure", "finger", "own_weight", "handling")  # settings that ask for strength
 MOST_CAPTION = 500  # letters that a frame could bear
 
@@ -39,6 +44,46 @@ class Request:
     image: str | None = setting(
         None, "a picture of a code, instead of a text", group="Code", empty="none", visible=True
     )
+    url: str | None = setting(
+        None, "a web address, instead of a text; escaped where needed", group="Code", **CONTENT
+    )
+    wifi: str | None = setting(
+        None, "a login: ssid=…; password=…; security=WPA, WEP or nopass; hidden=yes", group="Code", **CONTENT
+    )
+    vcard: str | None = setting(
+        None, "a business card: name=…; org=…; phone=…; email=…; url=…; city=… …", group="Code", **CONTENT
+    )
+    event: str | None = setting(
+        None, "an event: title=…; start=2027-05-01T10:00; end=…; place=…; text=…", group="Code", **CONTENT
+    )
+    geo: str | None = setting(None, "a place: latitude,longitude in degrees", group="Code", **CONTENT)
+    epc: str | None = setting(
+        None, "a SEPA transfer: name=…; iban=…; amount=…; text=… or reference=…", group="Code", **CONTENT
+    )
+    sms: str | None = setting(None, "a short message: to=+41…; text=…", group="Code", **CONTENT)
+    tel: str | None = setting(None, "a telephone number", group="Code", **CONTENT)
+    email: str | None = setting(None, "a letter: to=…; subject=…; body=…", group="Code", **CONTENT)
+    gs1: str | None = setting(
+        None, "GS1 elements: (01)09506000134352(10)AB-1, marked by FNC1", group="Code", **CONTENT
+    )
+    gs1_link: str | None = setting(
+        None,
+        "a domain, such as https://id.gs1.org: the GS1 elements become an address there (Digital Link)",
+        group="Code",
+        needs=("gs1",),
+        empty="an element string",
+        max_length=200,
+        visible=True,
+    )
+    bytes: str | None = setting(
+        None, "a file whose bytes are the code's content", group="Code", empty="none", visible=True
+    )
+    no_eci: bool = setting(
+        False,
+        "text beyond ASCII goes without its label as UTF-8 (ECI 26): some readers then guess wrong",
+        group="Code",
+        needs=WRITTEN,
+    )
     which: int | None = setting(
         None,
         "which of several codes in the picture",
@@ -51,19 +96,32 @@ class Request:
         "M",
         "error correction level",
         group="Code",
-        needs=("text",),
+        needs=WRITTEN,
         choices=("L:7 %", "M:15 %", "Q:25 %", "H:30 %"),
     )
     version: int | None = setting(
-        None, "symbol version", group="Code", needs=("text",), range=(1, 40), empty="the smallest that fits"
+        None,
+        "symbol version",
+        group="Code",
+        needs=WRITTEN,
+        range=(1, 40),
+        empty="the smallest that fits, or the next",
     )
     mask: int | None = setting(
         None,
         "mask of the symbol",
         group="Code",
-        needs=("text",),
+        needs=WRITTEN,
         range=(0, 7),
-        empty="the one that needs the least joining",
+        empty="the one that needs the fewest bridges",
+    )
+    freedom: str = setting(
+        "mask,segment,pad,version",
+        "what of a text's code may be chosen so that it needs fewer bridges, with commas between: mask,"
+        " segment (cut in several modes), pad (bits after its end), version (the next larger one); or none",
+        group="Code",
+        needs=WRITTEN,
+        max_length=100,
     )
     size_mm: float | None = setting(
         None,
@@ -324,11 +382,14 @@ class Request:
     )
 
     def __post_init__(self) -> None:
-        if (self.text is None) == (self.image is None):
-            raise DesignError("give either a text or a picture (--image FILE), not both and not neither")
+        given = [name for name in SOURCES if getattr(self, name) is not None]
+        if not given:
+            raise DesignError("nothing to encode: give a text, an image, or a content such as url or wifi")
+        if len(given) > 1:
+            raise DesignError(f"{' and '.join(given)} are given together: give one of them, not both")
         for declared in SETTINGS:
-            given = getattr(self, declared.field)
-            object.__setattr__(self, declared.field, declared.check(given, declared.field))
+            value = declared.check(getattr(self, declared.field), declared.field)
+            object.__setattr__(self, declared.field, value)
         require_effect(SETTINGS, {declared.name: getattr(self, declared.field) for declared in SETTINGS})
         if len([hole for hole in self.hole_mm if len(hole) == 1]) > 1:
             raise DesignError("hole: two diameters for the holes in the corners: give one, or x,y,diameter")

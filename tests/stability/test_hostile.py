@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from perfqr_cad import catalog
-from perfqr_cad.capture import attempts, load_image, read
+from perfqr_cad.capture import attempts, load_image, read, recognition
 from perfqr_cad.capture.pictures import image
 from perfqr_cad.errors import (
     AnalysisError,
@@ -141,9 +141,10 @@ def test_a_jpeg_of_thousands_of_scans_ends(tmp_path: Path) -> None:
 
 
 def test_a_search_in_noise_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attempts, "SEARCH_CPU_S", 1.0)
+    monkeypatch.setattr(attempts, "SEARCHED_PX", 4e6)
+    monkeypatch.setattr(recognition, "SEARCHED_PX", 4e6)  # named in the message
     noise = np.random.default_rng(0).integers(0, 256, (1500, 1500), np.uint8)
-    with pytest.raises(CaptureError, match=r"no QR code .* s of computing: crop the picture"):
+    with pytest.raises(CaptureError, match=r"no QR code .* within the 4 megapixels .*: crop the picture"):
         read(noise)
 
 

@@ -196,7 +196,7 @@ LONG = "n" * 300
         (("--size", "40", "-D", "size=50"), "size is given twice"),
         (("-D", "size=40", "-D", "size=50"), "size is given twice"),
         (("--text", "another"), "text is given twice"),
-        (("--image", "code.png"), "a text and a picture"),
+        (("--image", "code.png"), "text and image are given together"),
         (("-t", "bottle", "--frame", "3"), "template 'bottle' does not take 'frame'"),
         (("-D", "siez=30"), "did you mean 'size'"),
         (("-D", "version=2.5"), "version='2.5' is no whole number: give 1 to 40"),

@@ -27,10 +27,10 @@ from perfqr_cad.hosts.mesh import MeshTarget
 from perfqr_cad.hosts.step import ImportedFace
 from perfqr_cad.pattern import Bridge, build
 from perfqr_cad.pattern.drawing.front import front_with_bars
-from perfqr_cad.pipeline import chain
 from perfqr_cad.pipeline.held import ACCEPT_UNREAD, ACCEPT_WEAK, advised, changed
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import resolve
+from perfqr_cad.pipeline.source import source
 from perfqr_cad.pipeline.targets import Target, locate
 from perfqr_cad.remedy import Remedy, option
 from perfqr_cad.solid.kernel import occ
@@ -102,7 +102,7 @@ def kernel_that_fails(_: Request) -> None:
 
 def in_no_memory(request: Request) -> None:
     terms = resolve(request, plate=True)
-    _, symbol = chain._source(request, terms)
+    symbol = source(request, terms).symbol
     pattern = build(symbol, terms.drawing)
     site = locate(None, terms, pattern.extent_mm)
     with pytest.MonkeyPatch.context() as patch:
@@ -226,8 +226,8 @@ def made_with(settings: dict[str, Any], remedy: Remedy) -> Request:
 def drawn(request: Request, target: Target | None = None) -> None:
     """The chain up to the place of the code and its caption."""
     terms = resolve(request, plate=target is None)
-    capture, symbol = chain._source(request, terms)
-    pattern = build(symbol, terms.drawing, None if capture is None else capture.art)
+    found = source(request, terms)
+    pattern = build(found.symbol, terms.drawing, None if found.capture is None else found.capture.art)
     site = locate(target, terms, pattern.extent_mm)
     if terms.caption is not None:
         terms.caption.placed(pattern, site.placement.thickness_mm)

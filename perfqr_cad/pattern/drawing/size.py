@@ -46,6 +46,13 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
     return rounded_up(least_module * modules) / modules, f"module {least_module:.3g} mm: {reason}"
 
 
+def can_be_made(symbol: Symbol, spec: PatternSpec) -> bool:
+    """Whether the plain modules of a symbol are large enough in the size that is asked for."""
+    least_module, _ = _least_module(spec, is_drawn(spec.style))
+    least_mm = rounded_up(least_module * (symbol.size + 2 * spec.quiet_modules))
+    return spec.size_mm is None or spec.size_mm >= least_mm - SIZE_ROUNDING_MM
+
+
 def _least_module(spec: PatternSpec, drawn: bool) -> tuple[float, str]:
     if drawn:
         return least_module_mm(spec), f"{spec.style} that can be read, {spec.web_mm:g} mm apart"

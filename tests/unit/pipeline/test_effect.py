@@ -7,11 +7,12 @@ from typing import Any
 
 import pytest
 
+from perfqr_cad.content import CONTENTS
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pipeline.effect import require_files
 from perfqr_cad.pipeline.kinds import Kind
 from perfqr_cad.pipeline.parameter import Parameter
-from perfqr_cad.pipeline.request import SETTINGS, Request
+from perfqr_cad.pipeline.request import SETTINGS, SOURCES, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
 
 BY_NAME = {declared.name: declared for declared in SETTINGS}
@@ -27,6 +28,10 @@ OTHER: dict[str, Any] = {
     "colour": "red",
     "ground": "white",
     "require": "zbar",
+    "freedom": "mask",
+    "gs1_link": "example.com",
+    **dict.fromkeys(CONTENTS, "given"),
+    "bytes": "data.bin",
     "yield": 20.0,
     "size": 40.0,
     "caption_height": 3.0,
@@ -38,7 +43,8 @@ BESIDE: dict[str, dict[str, Any]] = {  # what lets it take part, as captions sta
 }
 # Where settings act that no layer's terms hold: the chain itself and the files.
 ELSEWHERE = {
-    **dict.fromkeys(("text", "image", "which", "level", "version", "mask"), "the symbol"),
+    **dict.fromkeys((*SOURCES, "gs1_link", "no_eci", "freedom"), "the symbol"),
+    **dict.fromkeys(("which", "level", "version", "mask"), "the symbol"),
     **dict.fromkeys(("thickness", "mirror"), "where it is carved"),
     **dict.fromkeys(("verify_solid", "require", "accept_weak", "accept_unread"), "what is checked"),
     **dict.fromkeys(("dxf", "dxf_bridges", "svg"), "the files"),
@@ -60,7 +66,7 @@ def other(declared: Parameter) -> Any:
 
 
 def asked(**settings: Any) -> Request:
-    return Request(**({} if "image" in settings else {"text": "HELLO"}) | settings)
+    return Request(**({} if settings.keys() & set(SOURCES) else {"text": "HELLO"}) | settings)
 
 
 def giving(need: str) -> dict[str, Any]:
