@@ -30,9 +30,20 @@ app = typer.Typer(
     rich_markup_mode=None,  # rich help costs 0.15 s of imports at every start
 )
 
-BENCHMARKS = ("symbol", "capture", "pattern", "finder", "margin", "structure", "solid", "scan", "spine")
+BENCHMARKS = (
+    "symbol",
+    "capture",
+    "pattern",
+    "finder",
+    "margin",
+    "structure",
+    "solid",
+    "scan",
+    "spine",
+    "freedom",
+)
 # Exit codes; 130 is the shell's own for an interrupt.
-BAD_INPUT, NOT_HELD, ROWS_MISSING, INTERRUPTED = 2, 3, 4, 130
+NOT_HELD, ROWS_MISSING, INTERRUPTED = 3, 4, 130
 EXPERIMENTS = ("table1", "table2", "fig9", "fig11", "fig14", "colours", "materials", "limits", "bunny")
 
 
@@ -57,7 +68,7 @@ def make(
     set_file: Annotated[Path | None, _option("-p", help="OpenSCAD parameter sets (JSON).")] = None,
     set_name: Annotated[str | None, _option("-P", help="The parameter set to take from -p.")] = None,
     template_timeout: Annotated[
-        float, _option("--template-timeout", help="CPU seconds that a template's own code may take.")
+        float, _option("--template-timeout", help="Seconds that a template's own code may compute, or wait.")
     ] = 60.0,
     as_json: _Json = False,
     **_: Any,
@@ -240,7 +251,7 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     except (PerfQRError, typer.TyperException) as error:
         message = error.format_message() if isinstance(error, typer.TyperException) else str(error)
         typer.echo("error: " + " ".join(message.split()), err=True)
-        status = NOT_HELD if isinstance(error, NotHeldError) else BAD_INPUT
+        status = NOT_HELD if isinstance(error, NotHeldError) else supervised.BAD_INPUT
     except (typer.Abort, KeyboardInterrupt):
         status = INTERRUPTED
     sys.exit(status or 0)

@@ -80,7 +80,7 @@ class Template:
     def build(self, overrides: Mapping[str, Any] | None = None, *, timeout_s: float = TIMEOUT_S) -> Design:
         """Run the template's `build(p)` and return its `Design`.
 
-        timeout_s   CPU seconds that the template's own code may take
+        timeout_s   seconds that the template's own code may compute, or wait in one go
 
         Raises `TemplateError` with the line where the template's own code fails, when it returns no design,
         ends the program or takes too long.

@@ -19,7 +19,7 @@ from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.pipeline.design import Design
 from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
 from perfqr_cad.pipeline.holding import attempts
-from perfqr_cad.pipeline.promises import promises, require_kept
+from perfqr_cad.pipeline.promises import of_code, promises, require_kept
 from perfqr_cad.pipeline.request import CUT, SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
@@ -94,6 +94,7 @@ def _once(request: Request, target: Target | None) -> Design:
         terms, drawn = for_grade(
             terms, lambda terms: patterns.build(found.symbol, terms.drawing, art), request.thickness_mm
         )
+    require_kept(of_code(drawn))
     with watch("placement"):
         site = locate(target, terms, drawn.extent_mm)
     if request.scan_tilt_deg and request.process not in CUT:

@@ -432,7 +432,7 @@ class Request:
     def __post_init__(self) -> None:
         given = [name for name in SOURCES if getattr(self, name) is not None]
         if not given:
-            raise DesignError("nothing to encode: give a text, a picture (--image FILE), --url, --wifi, …")
+            raise DesignError("nothing to encode: give a text, an image, or a content such as url or wifi")
         if len(given) > 1:
             raise DesignError(f"{' and '.join(given)} are given together: give one of them, not both")
         for declared in SETTINGS:
