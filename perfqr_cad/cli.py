@@ -34,13 +34,13 @@ BENCHMARKS = (
     "symbol",
     "capture",
     "pattern",
+    "freedom",
     "finder",
     "margin",
     "structure",
     "solid",
     "scan",
     "spine",
-    "freedom",
 )
 # Exit codes; 130 is the shell's own for an interrupt.
 NOT_HELD, ROWS_MISSING, INTERRUPTED = 3, 4, 130
