@@ -2,6 +2,7 @@
 
 Every error this package raises on purpose is a `PerfQRError`. Its message is one line that states the
 value, the limit and the remedy; the command line prints it and exits 2, or 3 for `NotHeldError`.
+Remedies are made in `remedy`.
 
     PerfQRError
     ├── SymbolError      text that does not fit, a matrix damaged beyond its capacity
@@ -15,6 +16,10 @@ value, the limit and the remedy; the command line prints it and exits 2, or 3 fo
     └── TemplateError    a template, parameter or parameter set that cannot be used
 """
 
+from __future__ import annotations
+
+from perfqr_cad.remedy import Remedy, advice
+
 
 class PerfQRError(Exception):
     """Base of all errors of this package.
@@ -23,7 +28,15 @@ class PerfQRError(Exception):
     straighter or larger picture (`CaptureError`); enlarge `--size` or use a finer nozzle
     (`DesignError`); change the wall thickness, draft or placement (`KernelError`); support the part
     or give it a thickness (`AnalysisError`); check the parameter's name and range (`TemplateError`).
+
+    >>> error = DesignError("size 9 mm is too small", Remedy(size_mm=24.2), "a finer nozzle")
+    >>> print(error, [remedy.changes for remedy in error.remedies])
+    size 9 mm is too small: use --size 24.2 or a finer nozzle [{'size_mm': 24.2}]
     """
+
+    def __init__(self, problem: str, *remedies: Remedy | str) -> None:
+        super().__init__(f"{problem}: {advice(remedies)}" if remedies else problem)
+        self.remedies = tuple(remedy for remedy in remedies if isinstance(remedy, Remedy))
 
 
 class SymbolError(PerfQRError):

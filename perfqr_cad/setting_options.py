@@ -15,7 +15,7 @@ from typer.core import TyperCommand
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pipeline.kinds import Kind, shown
 from perfqr_cad.pipeline.parameter import Parameter
-from perfqr_cad.pipeline.request import SETTINGS
+from perfqr_cad.pipeline.request import SETTINGS, SOURCES
 from perfqr_cad.pipeline.setting import GROUPS
 
 _METAVARS = {Kind.TEXT: "TEXT", Kind.WHOLE: "NUMBER", Kind.NUMBER: "NUMBER", Kind.VECTORS: "D|X,Y,D;…"}
@@ -66,11 +66,12 @@ def joined(first: Mapping[str, str], second: Mapping[str, str]) -> dict[str, str
 def over(sets: Mapping[str, Any], explicit: Mapping[str, str]) -> dict[str, Any]:
     """Parameter sets with what was given by name, which wins: a text also over the picture of a set.
 
-    Raises `DesignError` where a text and a picture are both given by name.
+    Raises `DesignError` where two things to encode are given by name.
     """
-    if explicit.get("text") and explicit.get("image"):
-        raise DesignError("a text and a picture (image) are both given: give one of them")
-    unseen = {"image"} if explicit.get("text") else set[str]()
+    named = [source for source in SOURCES if explicit.get(source)]
+    if len(named) > 1:
+        raise DesignError(f"{' and '.join(named)} are given together: give one of them")
+    unseen = set(SOURCES) if named else set[str]()
     return {**{name: value for name, value in sets.items() if name not in unseen}, **explicit}
 
 

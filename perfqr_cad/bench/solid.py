@@ -13,7 +13,7 @@ import numpy as np
 
 from perfqr_cad.pattern import Pattern, PatternSpec
 from perfqr_cad.pattern import build as build_pattern
-from perfqr_cad.pattern.choice import easiest_mask
+from perfqr_cad.pattern.choice import easiest
 from perfqr_cad.profile import Walls
 from perfqr_cad.solid import Solid
 from perfqr_cad.surface import Cylinder, HeightField, Placement, Plane, Sphere
@@ -71,7 +71,7 @@ def run() -> Table:
 
 def _pattern(version: int) -> Pattern:
     spec = PatternSpec(size_mm=SIZE_MM if version <= 20 else 2 * SIZE_MM)
-    return build_pattern(easiest_mask(encode(TEXT, version=version), spec), spec)
+    return build_pattern(easiest(encode(TEXT, version=version), spec, pads=False)[0], spec)
 
 
 def _parts(

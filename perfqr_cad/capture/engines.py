@@ -9,8 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.isolated import Message
+from perfqr_cad.isolated import IsolationError, Limits, Message, kept
 from perfqr_cad.symbol import size_of
+
+MODEL_1 = "QR Code Model 1"  # AIM identifier ]Q0; of 1994, without alignment patterns and laid out otherwise
+LIMITS = Limits(cpu_s=5.0)  # one engine at one photograph of 12 megapixels takes 1 s; at noise, minutes
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,18 @@ class Sighting:
     oriented: bool
 
 
+def look(engine: str, image: NDArray[np.uint8]) -> list[Any]:
+    """What an engine sees in a grey picture (H, W), as plain values; nothing if it crashes or does not end.
+
+    "zxing-cpp", "wechat" and "opencv" see QR codes (the fields of `Sighting`); "other" sees codes of other
+    symbologies (name, text).
+    """
+    try:
+        return kept(f"{__name__}:{engines.__name__}", limits=LIMITS).ask({"engine": engine}, image).value
+    except IsolationError:
+        return []
+
+
 def engines() -> Callable[[Message], Message]:
     """The job of the process: `{"engine": ...}` and a grey picture are answered by the engine's sightings."""
     import cv2
@@ -32,16 +47,28 @@ def engines() -> Callable[[Message], Message]:
     opencv: Any = cv2  # its stubs leave the contributed modules out
     wechat = opencv.wechat_qrcode_WeChatQRCode()
     model_2: Any = zxingcpp.BarcodeFormat.QRCodeModel2  # its stubs want the plural type
-    look: dict[str, Callable[[NDArray[np.uint8]], Iterator[Sighting]]] = {
+    others = _others(zxingcpp.BarcodeFormat)
+    see: dict[str, Callable[[NDArray[np.uint8]], Iterator[Any]]] = {
         "zxing-cpp": lambda image: _zxing(zxingcpp.read_barcodes(image, formats=model_2, return_errors=True)),
         "wechat": lambda image: _wechat(wechat, image),
         "opencv": lambda image: _opencv(cv2, image),
+        "other": lambda image: (
+            (MODEL_1 if code.symbology_identifier == "]Q0" else str(code.format), code.text)
+            for code in zxingcpp.read_barcodes(image, formats=zxingcpp.BarcodeFormats(others))
+        ),
     }
 
     def answer(request: Message) -> Message:
-        return Message([vars(seen) for seen in look[request.value["engine"]](request.arrays[0])])
+        seen = see[request.value["engine"]](request.arrays[0])
+        return Message([vars(one) if isinstance(one, Sighting) else one for one in seen])
 
     return answer
+
+
+def _others(known: Any) -> list[Any]:
+    """Symbologies with check characters: what lacks them (ITF, Codabar, …) is also "read" in stripes and
+    noise."""
+    return [known.AllMatrix, known.AllRetail, known.Code128, known.Code93, known.Code39]
 
 
 def _zxing(found: Any) -> Iterator[Sighting]:

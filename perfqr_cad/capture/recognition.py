@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.capture.art import art_of, rectify
-from perfqr_cad.capture.attempts import distinct, glimpses, seeds
+from perfqr_cad.capture.attempts import SEARCHED_PX, Effort, distinct, glimpses, seeds
 from perfqr_cad.capture.capture import Capture, Sampling
 from perfqr_cad.capture.grid import CORNERS, Floats, Grid
 from perfqr_cad.capture.pictures.image import Picture, load_image, luminance
@@ -39,7 +39,7 @@ from perfqr_cad.symbol import Matrix, Recovery, format_candidates, layout, recov
 RECTIFIED_MODULE_PX = 12
 LEAST_LIKENESS = 0.25  # the same of the finders alone, before the grid is fitted
 LEAST_FIT = 0.35  # correlation with the function patterns; noise and text stay below 0.3
-FLAT_FIT = 0.93  # a page that fits so well flat is not bent
+FLAT_FIT = 0.93  # a page that fits so well flat, and is read so, is not bent
 GOOD_FIT = 0.6  # from here on a failure says that the code is damaged, not that there is none
 SIZES_TRIED = 3  # of those that fit best, for a seed that does not know its size
 CORRECTIONS_TRIED = 8  # with SEEDS_TRIED it bounds the time spent on a picture without a readable code
@@ -96,17 +96,17 @@ def read(
 def _first(picture: Picture, name: str, sampling: Sampling) -> _Found:
     """The code that is found with the least effort."""
     damage: tuple[float, str] = (0.0, "")
-    tries = 0
-    for view, seed in distinct(seeds(picture)):
+    tries, effort = 0, Effort()
+    for view, seed in distinct(seeds(picture, effort)):
         for space, grid, fit in _registered(view, seed):
             tries += 1
             if tries > CORRECTIONS_TRIED:
-                raise CaptureError(_failure(name, picture, *damage))
+                raise CaptureError(_failure(name, picture, effort, *damage))
             try:
                 return _corrected(picture, space, grid, fit, seed, sampling)
             except SymbolError as failure:
                 damage = max(damage, (abs(fit), str(failure)))
-    raise CaptureError(_failure(name, picture, *damage))
+    raise CaptureError(_failure(name, picture, effort, *damage))
 
 
 def _others(picture: Picture, first: _Found, sampling: Sampling) -> list[_Found]:
@@ -170,7 +170,7 @@ def _corrected(
     """The symbol on this grid, on a bent one, or in another colour; else SymbolError of the first try."""
     first: SymbolError | None = None
     best: _Found | None = None
-    for candidate in _shapes(space, grid, fit, seed):
+    for candidate in _shapes(space, grid, seed):
         for _, shade in projections(picture, candidate, fit < 0):
             try:
                 found = _recovered(shade, candidate, seed, sampling, fit < 0)
@@ -180,18 +180,16 @@ def _corrected(
             if best is None or sum(found.recovery.errors) < sum(best.recovery.errors):
                 best = found
             break
-        if best is not None and not any(best.recovery.errors):
+        if best is not None and (abs(fit) >= FLAT_FIT or not any(best.recovery.errors)):
             return best
     if best is None:
         raise first or SymbolError("no grid could be laid over the code")
     return best
 
 
-def _shapes(space: Workspace, grid: Grid, fit: float, seed: Seed) -> Iterator[Grid]:
+def _shapes(space: Workspace, grid: Grid, seed: Seed) -> Iterator[Grid]:
     """The flat grid, then grids bent as the page may be."""
     yield grid
-    if abs(fit) >= FLAT_FIT:
-        return
     yield bent(space, grid)
     if len(seed.places) == 3:
         yield bent(space, Grid.from_corners(grid.size, seed.corners(grid.size)))
@@ -261,13 +259,18 @@ def _is_mirrored(grid: Grid) -> bool:
     return bool(np.linalg.det(np.stack([b - a, c - a])) < 0)
 
 
-def _failure(name: str, picture: Picture, fit: float, damage: str) -> str:
+def _failure(name: str, picture: Picture, effort: Effort, fit: float, damage: str) -> str:
+    other = None if effort.is_cut_short else other_code(picture, lookalikes=fit >= GOOD_FIT)
+    if other is not None:
+        return f"{name} holds no QR code but {other}; make a QR code (Model 2) of its text"
     if fit >= GOOD_FIT:
         return f"the code in {name} cannot be read: {damage}"
-    other = other_code(picture)
-    if other is not None:
-        return f"{name} holds no QR code but {other}; make a QR code (Model 2) of its text with --text"
     height, width = picture.shape[:2]
+    if effort.is_cut_short:
+        return (
+            f"no QR code found in {name} ({width} × {height} pixels) within the {SEARCHED_PX / 1e6:g} "
+            "megapixels that a search looks at: crop the picture to the code and its quiet zone"
+        )
     return (
         f"no QR code found in {name} ({width} × {height} pixels): take a sharper, straighter or larger "
         "picture with all three finder patterns in it"

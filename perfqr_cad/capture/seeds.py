@@ -9,11 +9,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.capture.engines import Sighting, engines
+from perfqr_cad.capture.engines import Sighting, look
 from perfqr_cad.capture.grid import Floats
-from perfqr_cad.isolated import IsolationError, Limits, kept
-
-LOOKING = Limits(cpu_s=5.0)  # one engine at one photograph of 12 megapixels takes 1 s; at noise, minutes
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,12 +46,8 @@ class Seed:
 
 
 def _seeds_of(engine: str, image: NDArray[np.uint8]) -> Iterator[Seed]:
-    """What a decoder finds in a grey picture (H, W); nothing if it crashes or does not end."""
-    try:
-        seen = kept(f"{engines.__module__}:{engines.__name__}", limits=LOOKING).ask({"engine": engine}, image)
-    except IsolationError:
-        return
-    for sighting in (Sighting(**fields) for fields in seen.value):
+    """What a decoder finds in a grey picture (H, W)."""
+    for sighting in (Sighting(**fields) for fields in look(engine, image)):
         payload = None if sighting.payload_hex is None else bytes.fromhex(sighting.payload_hex)
         places = np.array(sighting.places, np.float64)
         yield Seed(engine, places, tuple(sighting.sizes), payload, sighting.oriented)

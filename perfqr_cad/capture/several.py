@@ -10,6 +10,7 @@ import numpy as np
 
 from perfqr_cad.capture.grid import Floats, convex_area
 from perfqr_cad.errors import CaptureError
+from perfqr_cad.remedy import Remedy, option
 from perfqr_cad.symbol import Payload
 
 SAME_AREA = 0.1  # of the smaller outline: two codes lie apart by their quiet zones, two views of one coincide
@@ -55,10 +56,11 @@ def choice(payloads: Sequence[Payload], which: int | None, name: str) -> int:
     shown = [f"{number} {_named(one)}" for number, one in enumerate(payloads[:LISTED_CODES], start=1)]
     more = [f"and {count - LISTED_CODES} more"] if count > LISTED_CODES else []
     held = f"{name} holds {count} QR code{'s' if count > 1 else ''}: {', '.join(shown + more)}"
-    remedy = f"choose one with --which N, 1 to {count}" if count > 1 else "leave --which out"
-    if which is None:
-        raise CaptureError(f"{held}; {remedy}")
-    raise CaptureError(f"{held}; there is no number {which}: {remedy}")
+    missing = "" if which is None else f"there is no number {which}"
+    if count == 1:
+        raise CaptureError(f"{held}; {missing}", Remedy(which=None))
+    choose = f"choose one with {option('which')} N, 1 to {count}"
+    raise CaptureError(f"{held}; {': '.join(filter(None, [missing, choose]))}")
 
 
 def shortened(text: str) -> str:

@@ -17,7 +17,8 @@ Made from the declarations in `perfqr_cad/pipeline/request.py` by `python docs/s
 
 A setting has one name: `size_mm` in Python, `--size` on the command line, `size` in a template and with `-D`
 differ by the unit alone. "Not given" is `None` in Python and an empty value elsewhere; the number in brackets
-stands for it, too. A template takes in the groups that it names: `# [Shared: Code, Look]`.
+stands for it, too. A setting that needs another, or a file of some kind, is refused without it. A template
+takes in the groups that it names: `# [Shared: Code, Look]`.
 """
 
 
@@ -85,9 +86,13 @@ def _row(declared: Parameter) -> str:
         f"`{declared.field}`",
         _default(declared) or "not given",
         declared.wanted,
-        f"{declared.description}{not_given}",
+        f"{declared.description}{not_given}{_needs(declared)}",
     )
     return f"| {' | '.join(cells)} |"
+
+
+def _needs(declared: Parameter) -> str:
+    return f"; needs {' or '.join(f'`{need}`' for need in declared.needs)}" if declared.needs else ""
 
 
 def _default(declared: Parameter) -> str | None:

@@ -3,6 +3,7 @@ not."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.arrays import Array, Indices
 from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.survey import Survey
+from perfqr_cad.remedy import Remedy
 
 Triple = tuple[float, float, float]
 Problem = Callable[[Survey], str | None]  # why a surveyed wall cannot carry the code, or None
@@ -135,16 +137,18 @@ class PlaceSearch(ABC):
         if found is not None and reason is None:
             return found
         largest = largest_below(size_mm, lambda size: self._works(self.survey_at(spot, size)))
-        remedy = f"; at most {floored(largest)} mm works there" if largest > 0 else ""
+        smaller = [Remedy(size_mm=floored(largest))] if largest > 0 else []
+        elsewhere = ""
         if (nearest := self._nearest(spot, size_mm)) is not None:
             away = float(np.linalg.norm(nearest.frame.origin - spot.point))
-            remedy += (
+            elsewhere = (
                 f"; the nearest place that works is {away:.3g} mm away: point={triple(nearest.frame.origin)} "
                 f"direction={triple(-nearest.frame.axes[2])}"
             )
-        remedy = remedy or f"; no place on {self.name} takes it: choose a smaller size"
+        if not smaller and not elsewhere:
+            elsewhere = f"; no place on {self.name} takes it: choose a smaller size"
         raise DesignError(
-            f"a code of {size_mm:.4g} mm does not work at {triple(spot.point)}: {reason}{remedy}"
+            f"a code of {size_mm:.4g} mm does not work at {triple(spot.point)}: {reason}{elsewhere}", *smaller
         )
 
     def sampled(self, count: int, faces: Sequence[int] | None = None) -> list[Spot]:
@@ -191,13 +195,13 @@ def largest_below(size_mm: float, works: Callable[[float], bool]) -> float:
     return 0.0
 
 
-def floored(size_mm: float) -> str:
+def floored(size_mm: float) -> float:
     """A size for people, no greater than it is, in few digits.
 
-    >>> floored(12.3456)
-    '12.34'
+    >>> floored(123.4567)
+    123.45
     """
-    return f"{np.floor(size_mm * 100) / 100:.4g}"
+    return math.floor(size_mm * 100) / 100
 
 
 def triple(v: ArrayLike) -> str:

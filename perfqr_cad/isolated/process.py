@@ -5,11 +5,13 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import resource
 import signal
 import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,7 +28,11 @@ MAX_WORDS = 160  # letters of what a process said last
 
 @dataclass
 class Process:
-    """A child and our ends of what connects us. `ready`: it has said that it is."""
+    """A child and our ends of what connects us.
+
+    ready       whether it has said that it is
+    peak_bytes  the most memory it had, once it has ended; 0 if that was less than this process had before
+    """
 
     child: subprocess.Popen[bytes]
     channel: socket.socket
@@ -34,6 +40,8 @@ class Process:
     stderr: IO[bytes]
     owner: int = field(default_factory=os.getpid)
     ready: bool = False
+    peak_bytes: int = 0
+    before: int = field(default_factory=lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 
     @staticmethod
     def started(settings: dict[str, Any]) -> Process:
@@ -83,10 +91,15 @@ class Process:
 
     def exit_code(self) -> int:
         """How it ended, once its end of the channel is closed; below 0: by which signal."""
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            return self.child.wait(timeout=LOOK_S)
-        self.kill()
-        return self.child.wait()
+        if self.child.returncode is None:
+            timer = threading.Timer(LOOK_S, self.kill)  # it closed the channel and goes on
+            timer.start()
+            _, status, usage = os.wait4(self.child.pid, 0)
+            timer.cancel()
+            # Before it was another program it was a copy of this one, which the system counts.
+            self.peak_bytes = _in_bytes(usage.ru_maxrss) if usage.ru_maxrss > self.before else 0
+            self.child.returncode = os.waitstatus_to_exitcode(status)
+        return self.child.returncode
 
     def kill(self) -> None:
         """End it with whatever it has started."""
@@ -132,6 +145,11 @@ class _Patience:
 def _installed() -> list[str]:
     """Folders of installed packages on this process's path; the current one and a script's are none."""
     return [site for site in sys.path if Path(site).name in ("site-packages", "dist-packages")]
+
+
+def _in_bytes(maxrss: int) -> int:
+    """Of a figure of getrusage(2)."""
+    return maxrss if sys.platform == "darwin" else 1024 * maxrss
 
 
 def _cpu_s(pid: int) -> float:

@@ -17,6 +17,7 @@ from perfqr_cad.isolated import wire
 from perfqr_cad.isolated.process import MAX_WORDS, STALL_S, Process
 from perfqr_cad.isolated.wire import Message
 
+NEARLY = 0.9  # of the limit of memory: native code that dies there has been refused more
 # What a C++ or Rust library says when there is no memory, before it gives up.
 NO_MEMORY = ("bad_alloc", "memory allocation of", "out of memory", "MemoryError", "Cannot allocate memory")
 
@@ -33,8 +34,9 @@ class Limits:
     memory_bytes: int = 1536 * 2**20
 
 
-READING_S = "PERFQR_READING_S"  # environment variable: seconds of computing that reading one file may take
-MOST_READING_S = 86_400.0
+# Environment variables: seconds of computing and gigabytes of memory that reading one file may take.
+READING_S, READING_GB = "PERFQR_READING_S", "PERFQR_READING_GB"
+MOST_ALLOWED = 86_400.0  # a day
 
 
 class IsolationError(Exception):
@@ -146,7 +148,8 @@ class Worker:
         words = process.last_words()
         if code == -signal.SIGPROF:
             return OutOfTime(f"no end after {self._limits.cpu_s:g} s of computing")
-        if any(sign in words for sign in NO_MEMORY):
+        full = process.peak_bytes > NEARLY * self._limits.memory_bytes
+        if any(sign in words for sign in NO_MEMORY) or (code < 0 and full):
             return _out_of_memory(self._limits)
         how = f"crashed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
         return Crashed(f"{how}: {words}" if words else how)
@@ -161,9 +164,15 @@ class Refusal:
     remedy: str
 
     def of(self, reason: IsolationError) -> errors.PerfQRError:
-        """The error for a reason."""
-        more = f", or allow more by the variable {READING_S}" if isinstance(reason, OutOfTime) else ""
-        return self.error(f"{self.what} ({reason}): {self.remedy}{more}")
+        """The error for a reason. What meets a limit is too much, whatever else may be wrong with it."""
+        match reason:
+            case OutOfTime():
+                remedy = f"simplify it, or allow more seconds by the variable {READING_S}"
+            case OutOfMemory():
+                remedy = f"simplify it, or allow more gigabytes by the variable {READING_GB}"
+            case _:
+                remedy = self.remedy
+        return self.error(f"{self.what} ({reason}): {remedy}")
 
 
 def once(job: str, arguments: tuple[Any, ...], request: Message, refusal: Refusal) -> Message:
@@ -181,20 +190,27 @@ def once(job: str, arguments: tuple[Any, ...], request: Message, refusal: Refusa
 
 
 def reading_limits() -> Limits:
-    """Bounds for reading one file, with the seconds that the environment allows. DesignError for none."""
-    allowed = os.environ.get(READING_S)
-    if not allowed:
-        return Limits()
+    """Bounds for reading one file: the usual, or what the environment allows. DesignError for none."""
+    usual = Limits()
+    return Limits(
+        cpu_s=_allowed(READING_S, usual.cpu_s),
+        memory_bytes=int(_allowed(READING_GB, usual.memory_bytes / 1e9) * 1e9),
+    )
+
+
+def _allowed(variable: str, usual: float) -> float:
+    text = os.environ.get(variable)
+    if not text:
+        return usual
     try:
-        cpu_s = float(allowed)
+        allowed = float(text)
     except ValueError:
-        cpu_s = 0.0
-    if not 0 < cpu_s <= MOST_READING_S:
+        allowed = 0.0
+    if not 0 < allowed <= MOST_ALLOWED:
         raise errors.DesignError(
-            f"{READING_S}={allowed!r} is no number from 0 to {MOST_READING_S:g}: give the seconds that "
-            "reading a file may take"
+            f"{variable}={text!r} is no number from 0 to {MOST_ALLOWED:g}: give what reading a file may take"
         )
-    return Limits(cpu_s=cpu_s)
+    return allowed
 
 
 @cache

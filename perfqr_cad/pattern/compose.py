@@ -20,6 +20,7 @@ from perfqr_cad.pattern.joining.paper import join_paper
 from perfqr_cad.pattern.joining.rings import tie_rings
 from perfqr_cad.pattern.pattern import Origin, Pattern, finish
 from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.remedy import Remedy
 from perfqr_cad.symbol import Matrix, Readability, Symbol, readability
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     """
     solid_is_dark = spec.tone == "inverted"
     right_solid = symbol.matrix.dark == solid_is_dark
+    art = _kept(art, spec)
     canvas, reason = printable(symbol, spec, art)
     gap = canvas.lattice.whole(spec.gap_mm)
     islands = _islands(canvas, 1 if art is None else art.scale)
@@ -64,6 +66,18 @@ def build(symbol: Symbol, spec: PatternSpec, art: Art | None = None) -> Pattern:
     if not sound:
         canvas, sound = mended(canvas, spec)
     return finish(canvas, Origin(symbol, spec, islands, reason, optimality, losses), sound)
+
+
+def _kept(art: Art | None, spec: PatternSpec) -> Art | None:
+    """The picture's own art, which a style that draws its modules anew has none of."""
+    if art is None or not is_drawn(spec.style):
+        return art
+    if art.kind != "plain":
+        raise DesignError(
+            f"style {spec.style} draws plain modules, and the picture has {art.kind} art of its own",
+            Remedy(style="square"),
+        )
+    return None
 
 
 def _islands(canvas: Canvas, scale: int) -> int:
@@ -123,8 +137,9 @@ def _too_small_for_art(symbol: Symbol, spec: PatternSpec, art: Art | None, lost:
     enough, _ = printable(symbol, replace(spec, size_mm=None), art)
     least_size = rounded_up(enough.lattice.cells * enough.lattice.cell_mm)
     return DesignError(
-        f"at size {spec.size_mm:g} mm webs of {spec.web_mm:g} mm cost the art {lost} codewords, limit 0:"
-        f" use --size {least_size:g} or more, or a finer nozzle"
+        f"at size {spec.size_mm:g} mm webs of {spec.web_mm:g} mm cost the art {lost} codewords, limit 0",
+        Remedy(size_mm=least_size),
+        "a finer nozzle",
     )
 
 
@@ -139,7 +154,8 @@ def _asked(symbol: Symbol, spec: PatternSpec, art: Art | None, module_mm: float)
     if is_drawn(spec.style) and art is None:
         if inverted:
             raise DesignError(
-                f"style {spec.style} draws holes, and with --tone inverted holes are light: use square"
+                f"style {spec.style} draws holes, and in the tone inverted holes are light",
+                Remedy(style="square"),
             )
         ground = symbol.matrix.dark & ~shaped_modules(symbol)
         lattice = rasterised(~ground, 1, spec.quiet_modules, module_mm, frame=True)

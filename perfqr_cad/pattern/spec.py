@@ -75,10 +75,10 @@ class PatternSpec:
             if (value := getattr(self, name)) is not None:
                 _positive(name, value)
         if self.bars not in BARS:
-            raise DesignError(f"bars = {self.bars} a finder ring is outside 1 to 3: use --bars 1, 2 or 3")
+            raise DesignError(f"bars = {self.bars} a finder ring is outside 1 to 3: use 1, 2 or 3")
         size = self.size_mm or 0.0
         if size > GREATEST_SIZE_MM:
-            raise DesignError(f"size {size:g} mm is over {GREATEST_SIZE_MM:g} mm: use a smaller --size")
+            raise DesignError(f"size {size:g} mm is over {GREATEST_SIZE_MM:g} mm: use a smaller one")
         if not 0 <= self.quiet_modules <= 100:
             raise DesignError(f"quiet zone of {self.quiet_modules} modules is outside 0 to 100: use 4")
         for name in ("fillet_mm", "loss_weight"):

@@ -10,6 +10,7 @@ import numpy as np
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Arc, Circle, Line, Loop, Region
+from perfqr_cad.remedy import Remedy
 
 SQUARE_TOL = 1e-6  # share by which the area of the code's outline may differ from its square
 
@@ -88,7 +89,8 @@ def surrounded(
     if abs(body.outer.area - size_mm**2) > SQUARE_TOL * size_mm**2:
         raise DesignError(
             "a frame, rounded corners or mounting holes need the quiet zone as material, which an inverted "
-            "code leaves open: use --tone normal"
+            "code leaves open",
+            Remedy(tone="normal"),
         )
     outer = surround.outline(size_mm)
     holes = surround.all_holes(size_mm)
@@ -101,7 +103,7 @@ def _outline(half_mm: float, radius_mm: float) -> Loop:
     h, r = half_mm, radius_mm
     if r > h:
         raise DesignError(
-            f"a corner radius of {r:g} mm is more than half of {2 * h:g} mm: take {h:g} or less"
+            f"a corner radius of {r:g} mm is more than half of {2 * h:g} mm", Remedy(corner_radius_mm=h)
         )
     if r == 0:
         return Loop.from_points([(-h, -h), (h, -h), (h, h), (-h, h)])
@@ -129,8 +131,9 @@ def _check(outer: Loop, holes: Sequence[Hole], code: Sequence[Loop], size_mm: fl
     left = edge.exterior.distance(inner) if edge.covers(inner) else 0.0
     if left < web_mm:
         raise DesignError(
-            f"rounded corners leave {left:.3g} mm beside the code, {web_mm:g} mm are needed: "
-            "take a smaller --corner-radius or a wider --frame"
+            f"rounded corners leave {left:.3g} mm beside the code, {web_mm:g} mm are needed",
+            "a smaller corner radius",
+            "a wider frame",
         )
     for i, hole in enumerate(holes):
         at, radius = shapely.Point(hole.x_mm, hole.y_mm), hole.diameter_mm / 2
@@ -139,13 +142,13 @@ def _check(outer: Loop, holes: Sequence[Hole], code: Sequence[Loop], size_mm: fl
         if rim < web_mm:
             raise DesignError(
                 f"{name} leaves {max(rim, 0.0):.3g} mm to the edge, {web_mm:g} mm are needed: "
-                "move it, make it smaller or take a wider --frame"
+                "move it, make it smaller or take a wider frame"
             )
         outside = math.hypot(*(max(abs(v) - size_mm / 2, 0.0) for v in (hole.x_mm, hole.y_mm)))
         if outside < radius:
             raise DesignError(
                 f"{name} cuts into the quiet zone, which ends {size_mm / 2:g} mm from the centre: "
-                "move it out or take a wider --frame"
+                "move it out (a hole in the corners moves with a wider frame)"
             )
         for other in holes[:i]:
             between = math.dist((hole.x_mm, hole.y_mm), (other.x_mm, other.y_mm)) - radius

@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from perfqr_cad import __version__
+from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.export.design_view import DesignView
 
 if TYPE_CHECKING:
     from perfqr_cad.capture import Capture
     from perfqr_cad.export import FileRecord
     from perfqr_cad.geometry import Triangles
+    from perfqr_cad.pattern.choice import Chosen
     from perfqr_cad.pipeline.promises import Promise
     from perfqr_cad.pipeline.request import Request
+    from perfqr_cad.pipeline.source import Source
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.structure import Capacity, Reinforcement, SolidCheck, StressField
     from perfqr_cad.symbol import Symbol
@@ -29,6 +32,9 @@ class Finished(DesignView, Protocol):
 
     @property
     def symbol(self) -> Symbol: ...
+
+    @property
+    def source(self) -> Source: ...
 
     @property
     def stress(self) -> StressField: ...
@@ -93,6 +99,7 @@ def summary(design: Finished) -> str:
         f"payload   {payload_text(design)}",
         f"symbol    version {design.symbol.version}-{design.symbol.level}, mask {design.symbol.mask}, "
         f"L(Q) = {pattern.readability.total:.4g}",
+        *chosen_words(design.source.choice),
         f"pattern   module {pattern.module_mm:.3f} mm, {pattern.islands_before} islands, {bridges} bridges, "
         f"{lost} codewords lost",
         f"strength  {stress.max_stress_mpa:.3g} MPa of {stress.limit_mpa:.3g} allowed, "
@@ -102,11 +109,25 @@ def summary(design: Finished) -> str:
         f"{'valid' if solid.valid else 'NOT VALID'}",
         f"scan      read by {readers}",
     ]
+    lines += [f"grounds   {design.scan.ground_words}"] if design.scan.grounds else []
+    if (likeness := design.scan.likeness) is not None:
+        lines += [f"art       {likeness.words(design.scan.readers)}"]
+    lines += [] if design.scan.grade is None else [f"grade     {design.scan.grade.words}"]
     lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings, *design.scan.warnings)]
     for record in design.files:
         lines.append(f"wrote     {record.path} ({record.bytes:,} bytes)")
         lines += [f"          {record.remarks}"] if record.remarks else []
     return "\n".join(lines)
+
+
+def chosen_words(choice: Chosen | None) -> list[str]:
+    """Why the symbol is not the one that an ordinary encoder draws; nothing where it is."""
+    if choice is None or choice.symbol == choice.plain:
+        return []
+    ordinary = f"{choice.plain.version}-{choice.plain.level}, mask {choice.plain.mask}"
+    corners = f"{len(choice.left.corners)} corners to be joined instead of {len(choice.left_plain.corners)}"
+    pads = ", by the bits after its end" if choice.pads_are_free else ""
+    return [f"chosen    rather than version {ordinary}: {corners}{pads}"]
 
 
 def payload_text(design: Finished) -> str | None:
@@ -147,7 +168,31 @@ def reading(capture: Capture) -> dict[str, Any]:
 
 def _symbol(design: Finished) -> dict[str, Any]:
     symbol = design.symbol
-    return {"version": symbol.version, "level": symbol.level, "mask": symbol.mask, "modules": symbol.size}
+    return {
+        "version": symbol.version,
+        "level": symbol.level,
+        "mask": symbol.mask,
+        "modules": symbol.size,
+        "choice": None if design.source.choice is None else _choice(design.source.choice),
+    }
+
+
+def _choice(choice: Chosen) -> dict[str, Any]:
+    """What was chosen so that less must be joined, beside the symbol of an ordinary encoder."""
+    from perfqr_cad.symbol import payload_of
+
+    return {
+        "standard_padding": not choice.pads_are_free,
+        "segments": [segment.mode for segment in payload_of(choice.symbol).segments],
+        "corners": len(choice.left.corners),
+        "pieces": choice.left.count,
+        "ordinary": {
+            "version": choice.plain.version,
+            "mask": choice.plain.mask,
+            "corners": len(choice.left_plain.corners),
+            "pieces": choice.left_plain.count,
+        },
+    }
 
 
 def _readability(design: Finished) -> dict[str, Any]:
@@ -247,6 +292,7 @@ def _solid_check(found: SolidCheck) -> dict[str, Any]:
 
 def _solid(design: Finished) -> dict[str, Any]:
     solid = design.solid
+    changes = colour_changes(solid) if design.request.colour_change else ()
     return {
         "valid": solid.valid,
         "solids": solid.solids,
@@ -255,4 +301,5 @@ def _solid(design: Finished) -> dict[str, Any]:
         "bbox_mm": [list(corner) for corner in solid.bbox_mm],
         "module_mm": design.pattern.module_mm,
         "notes": list(solid.notes),
+        "colour_changes": [change.as_dict() for change in changes],
     }

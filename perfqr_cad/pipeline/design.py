@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from perfqr_cad.export import FileRecord, Options
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.pipeline.promises import Promise
+    from perfqr_cad.pipeline.source import Source
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Solid
     from perfqr_cad.structure import Reinforcement, SolidCheck, StressField
@@ -30,8 +31,7 @@ class Design:
     """A finished part and everything that was measured on the way. Exporters read only this."""
 
     request: Request
-    capture: Capture | None
-    symbol: Symbol
+    source: Source
     pattern: Pattern
     placement: Placement
     reinforcement: Reinforcement
@@ -41,6 +41,15 @@ class Design:
     verified: SolidCheck | None = None
     promises: tuple[Promise, ...] = ()
     files: tuple[FileRecord, ...] = ()
+
+    @property
+    def capture(self) -> Capture | None:
+        """What the picture shows, if the code came from one."""
+        return self.source.capture
+
+    @property
+    def symbol(self) -> Symbol:
+        return self.source.symbol
 
     @property
     def stress(self) -> StressField:
@@ -101,4 +110,11 @@ class Design:
         from perfqr_cad.export import Options
 
         asked = self.request
-        return Options(asked.dxf, asked.dxf_bridges, asked.svg)  # pyright: ignore[reportArgumentType]  # checked there
+        return Options(
+            asked.dxf,  # pyright: ignore[reportArgumentType]  # checked there
+            asked.dxf_bridges,
+            asked.svg,  # pyright: ignore[reportArgumentType]
+            asked.kerf_mm,
+            asked.colour_change,
+            asked.split_stl,
+        )

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.errors import DesignError, NotHeldError, PerfQRError, UnreadError, WeakError
 from perfqr_cad.pipeline.holding import front
-from perfqr_cad.pipeline.request import Request
+from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import asked_loads
+from perfqr_cad.remedy import Remedy, Tried
 
 if TYPE_CHECKING:
     from perfqr_cad.scan import ScanReport
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 LEAST_READERS = 2  # a part that fewer engines read from straight above counts as unread
 LARGER, THICKER, THINNER = (1.25, 1.6), (1.5, 2.0), (0.75, 0.5)  # factors tried, the smallest change first
 MOST_HOLDS = 3  # of the finder rings that are tried, the strongest ones
+GRADED_MM = (75.0, 100.0)  # in large modules a verifier hardly sees bars of one line
+ACCEPT_WEAK, ACCEPT_UNREAD = Remedy(accept_weak=True), Remedy(accept_unread=True)
+BARS = ("bars", "bar_height_mm", "bar_width_mm")  # settings of recessed bars
 THINNEST_MM = 0.8  # that still prints as a plate
 
 
@@ -46,7 +50,7 @@ def require_borne(request: Request, reinforced: Reinforcement) -> None:
     if short and not request.accept_weak:
         raise WeakError(
             f"weak: bears {short[0].words}, asked {short[0].asked_n:.3g} N, and breaks {short[0].breaks} "
-            "(--accept-weak writes it all the same)"
+            f"({ACCEPT_WEAK} writes it all the same)"
         )
 
 
@@ -54,10 +58,29 @@ def require_read(request: Request, report: ScanReport) -> None:
     """Raises `UnreadError` when fewer than two engines read the part, or not those, or not to the tilt, that
     were asked for."""
     if (shortfall := _unread(request, report)) and not request.accept_unread:
-        raise UnreadError(f"{shortfall} (--accept-unread writes it all the same)")
+        raise UnreadError(f"{shortfall} ({ACCEPT_UNREAD} writes it all the same)")
 
 
 def _unread(request: Request, report: ScanReport) -> str | None:
+    return _unread_by_decoders(request, report) or _below_grade(request, report)
+
+
+def _below_grade(request: Request, report: ScanReport) -> str | None:
+    """What the part lacks of the grade that was asked for."""
+    from perfqr_cad.scan.grade import LETTERS
+
+    if request.grade is None or report.grade is None:
+        return None
+    found = report.grade.counted
+    if found.overall >= LETTERS[request.grade]:
+        return None
+    return (
+        f"grade {found.overall:.1f} ({found.letter}) before {report.grade.ground}, limited by "
+        f"{found.limiting}, asked for {LETTERS[request.grade]:.1f} ({request.grade})"
+    )
+
+
+def _unread_by_decoders(request: Request, report: ScanReport) -> str | None:
     readers, wanted = report.readers, required(request)
     if missing := [name for name in wanted if name not in readers]:
         return f"{', '.join(missing)}: required, and cannot read the part from straight above"
@@ -74,42 +97,60 @@ def _unread(request: Request, report: ScanReport) -> str | None:
     return f"read by {limits}, asked for {tilt_deg:g}°"
 
 
-def advised(shortfall: NotHeldError, request: Request, make: Callable[[Request], object]) -> NotHeldError:
-    """The shortfall with a remedy: the first single change of the request with which `make` succeeds."""
-    tried: list[str] = []
-    changes = _stronger(request) if isinstance(shortfall, WeakError) else _more_legible(request)
-    for words, changed in changes:
+def advised(
+    shortfall: NotHeldError, request: Request, make: Callable[[Request], object], *, plate: bool = True
+) -> NotHeldError:
+    """The shortfall with a remedy: the first change of the request with which `make` succeeds.
+
+    plate   whether the request's thickness is that of the part
+    """
+    tried: list[Remedy] = []
+    helping = _stronger if isinstance(shortfall, WeakError) else _more_legible
+    for remedy in helping(request, plate):
         try:
-            make(changed)
+            make(changed(request, remedy))
         except PerfQRError:
-            tried.append(words)
+            tried.append(remedy)
         else:
-            return type(shortfall)(f"{shortfall}: use {words}, which was tried")
-    return type(shortfall)(f"{shortfall}: tried without success: {'; '.join(tried)}")
+            return type(shortfall)(str(shortfall), Tried(**remedy.changes))
+    return type(shortfall)(f"{shortfall}: tried without success: {'; '.join(map(str, tried))}")
 
 
-def _stronger(request: Request) -> Iterator[tuple[str, Request]]:
-    """Changes that may bear more, with the options that make each."""
+def changed(request: Request, remedy: Remedy) -> Request:
+    """The request with the remedy's values, or the defaults of settings that it leaves out."""
+    defaults = {declared.field: declared.default for declared in SETTINGS}
+    values = {name: defaults[name] if value is None else value for name, value in remedy.changes.items()}
+    return replace(request, **values)
+
+
+def _stronger(request: Request, plate: bool) -> Iterator[Remedy]:
+    """Changes that may bear more."""
     for hold in tuple(front(request.thickness_mm, request.nozzle_mm))[-MOST_HOLDS:]:
-        width = "" if hold.width_mm is None else f" --bar-width {hold.width_mm:g}"
-        bars = f"--bars {hold.bars} --bar-height {hold.height_mm:g}{width}"
-        yield f"{bars} --thickness {hold.thickness_mm:g}", hold.applied(request)
-    for factor in THICKER:
+        if request.finder == "recessed" and (plate or hold.thickness_mm == request.thickness_mm):
+            bars: dict[str, Any] = {"bars": hold.bars, "bar_height_mm": hold.height_mm}
+            bars |= {} if hold.width_mm is None else {"bar_width_mm": hold.width_mm}
+            yield Remedy(**bars, **({"thickness_mm": hold.thickness_mm} if plate else {}))
+    # Flush bars are as high as the plate is thick, and have no settings of their own.
+    flush: dict[str, Any] = {name: None for name in BARS if getattr(request, name) is not None}
+    for factor in THICKER if plate else (1.0,):
         thick_mm = round(factor * request.thickness_mm, 2)
-        changed = replace(request, finder="panel", thickness_mm=thick_mm)
-        yield f"--finder panel --thickness {thick_mm:g}", changed
+        yield Remedy(finder="panel", **({"thickness_mm": thick_mm} if plate else {}), **flush)
 
 
-def _more_legible(request: Request) -> Iterator[tuple[str, Request]]:
-    """Single changes that may be read better, with the option that makes each."""
-    if request.colour is not None or request.ground is not None:
-        yield "no --colour and --ground of your own", replace(request, colour=None, ground=None)
+def _more_legible(request: Request, plate: bool) -> Iterator[Remedy]:
+    """Single changes that may be read better."""
+    if own := [name for name in ("colour", "ground") if getattr(request, name) is not None]:
+        yield Remedy(**dict.fromkeys(own))
+    if request.grade is not None and request.ground is None and request.backing_mm is None:
+        yield Remedy(ground="black")  # if that is what will be behind it
     if request.depth_mm is not None:
-        yield "no --depth, for through-holes", replace(request, depth_mm=None)
-    for share in THINNER:
+        yield Remedy(depth_mm=None)
+    for share in THINNER if plate else ():
         if (thin_mm := round(share * request.thickness_mm, 2)) >= THINNEST_MM:
-            yield f"--thickness {thin_mm:g}", replace(request, thickness_mm=thin_mm)
+            yield Remedy(thickness_mm=thin_mm)
     if request.size_mm is not None:
         for factor in LARGER:
-            size_mm = round(factor * request.size_mm)
-            yield f"--size {size_mm}", replace(request, size_mm=float(size_mm))
+            yield Remedy(size_mm=float(round(factor * request.size_mm)))
+    elif request.grade is not None:
+        for size_mm in GRADED_MM:
+            yield Remedy(size_mm=size_mm)

@@ -103,7 +103,8 @@ def holding(
     The strongest alone when none does: then a factor, a thickness or a reader has to give. A request that
     names its bars is left as it is.
     """
-    if any(value is not None for value in (request.bars, request.bar_height_mm, request.bar_width_mm)):
+    named = any(value is not None for value in (request.bars, request.bar_height_mm, request.bar_width_mm))
+    if named or request.finder != "recessed":
         return (request,)
     holds = front(request.thickness_mm, request.nozzle_mm)
     enough = [hold for hold in holds if hold.bears_n(module_mm, allowable_mpa) >= force_n]
@@ -111,14 +112,19 @@ def holding(
     return tuple(hold.applied(request) for hold in enough or [strongest])
 
 
-def attempts(request: Request) -> Iterator[Request]:
+def attempts(request: Request, *, plate: bool = True) -> Iterator[Request]:
     """The request as it is, then, where a hand's force is asked for, with other holds of the rings: those
-    that read from furthest aside first, without those that are far too weak by the estimate."""
+    that read from furthest aside first, without those that are far too weak by the estimate.
+
+    plate   whether the request's thickness is that of the part; a host keeps its own
+    """
     yield request
     named = any(value is not None for value in (request.bars, request.bar_height_mm, request.bar_width_mm))
-    if request.handling_n is None or named:
+    if request.handling_n is None or named or request.finder != "recessed":
         return
     for hold in front(request.thickness_mm, request.nozzle_mm):
+        if not plate and hold.thickness_mm != request.thickness_mm:
+            continue
         if HOPEFUL * hold.bears_n(USUAL_MODULE_MM) >= request.handling_n:
             yield hold.applied(request)
 

@@ -36,6 +36,8 @@ class Parameter:
     empty        what the program does where nothing is given; None: there must be a value
     form         how the value is written, for kinds that need telling
     visible      a text must have a letter that can be seen
+    needs        what gives it an effect, any one of them: another setting, a value of it (`finder=recessed`),
+                 or a kind of file (`.dxf`)
     example      what a template has before anything is given, where the default is nothing
     """
 
@@ -54,6 +56,7 @@ class Parameter:
     empty: str | None = None
     form: str = ""
     visible: bool = False
+    needs: tuple[str, ...] = ()
     example: Value = None
     field: str = ""
 

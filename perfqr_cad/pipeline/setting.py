@@ -10,11 +10,11 @@ from typing import Any, TypeVar, cast
 
 from perfqr_cad.pipeline.kinds import Value, kind_of_annotation
 from perfqr_cad.pipeline.parameter import Parameter
+from perfqr_cad.remedy import UNITS
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 GROUPS = ("Code", "Look", "Walls", "Body", "Strength", "Proof", "Files")
-UNITS = {"mm": "mm", "deg": "°", "mpa": "MPa", "n": "N", "modules": "modules"}  # by suffix of the Python name
 _WIDTH = 106
 
 

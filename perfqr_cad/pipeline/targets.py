@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from perfqr_cad.errors import DesignError
+from perfqr_cad.pipeline.request import Request
+from perfqr_cad.remedy import Remedy
 
 if TYPE_CHECKING:
     from perfqr_cad.geometry import Triangles
@@ -14,6 +16,10 @@ if TYPE_CHECKING:
     from perfqr_cad.profile import Backing, Caption, Walls
     from perfqr_cad.solid import Solid
     from perfqr_cad.surface import Placement
+
+# Settings of what lies around and behind a code, which a part of one's own has already. Its thickness is no
+# such: templates that make a part have one of their own.
+OF_SHEETS = ("frame_mm", "corner_radius_mm", "hole_mm", "caption", "backing_mm")
 
 
 class Target(Protocol):
@@ -81,7 +87,9 @@ class TurnedSheet:
 
         if depth_mm is not None:
             raise DesignError(
-                f"pockets of {depth_mm:g} mm are not seen from behind: leave --mirror or --depth out"
+                f"pockets of {depth_mm:g} mm are not seen from behind",
+                Remedy(mirror=None),
+                Remedy(depth_mm=None),
             )
         return TurnedPlane(self.sheet.placement(size_mm).thickness_mm)
 
@@ -121,7 +129,7 @@ def locate(target: Target | None, terms: Terms, extent_mm: float) -> Site:
     if terms.request.mirror:
         if not (isinstance(furnished, Sheet) and furnished.surface.is_flat):
             raise DesignError(
-                "a code in a curved wall or a part of your own is read from its front: no --mirror"
+                "a code in a curved wall or a part of your own is read from its front", Remedy(mirror=None)
             )
         furnished = TurnedSheet(furnished)
     placement = furnished.placement(extent_mm, terms.walls.depth_mm)
@@ -135,9 +143,10 @@ def _furnished(target: Target, terms: Terms) -> Target:
         return replace(
             target, caption=terms.caption or target.caption, backing=terms.backing or target.backing
         )
-    wishes = ("frame_mm", "corner_radius_mm", "hole_mm", "caption", "backing_mm")
-    if asked := [name for name in wishes if getattr(terms.request, name)]:
+    plain, request = Request(text="-"), terms.request
+    if asked := [name for name in OF_SHEETS if getattr(request, name) != getattr(plain, name)]:
         raise DesignError(
-            f"{', '.join(asked)}: a code in a part of your own has the part around it: leave these out"
+            f"{', '.join(asked)}: a code in a part of your own has the part around it",
+            Remedy(**dict.fromkeys(asked)),
         )
     return target

@@ -16,6 +16,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Region
 from perfqr_cad.pattern.spec import GREATEST_SIZE_MM
 from perfqr_cad.profile.lettering import Extent, drawn, extent, moved_region
+from perfqr_cad.remedy import Remedy
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Pattern, PatternSpec
@@ -139,10 +140,12 @@ def _require_floor(caption: Caption, thickness_mm: float) -> None:
     if depth_mm <= 0 or thickness_mm - depth_mm >= LEAST_FLOOR_MM - SLACK_MM:
         return
     deepest_mm = _down(thickness_mm - LEAST_FLOOR_MM)
-    less = f"engrave {deepest_mm:g} mm at most, or " if deepest_mm > 0 else ""
+    less = [Remedy(caption_relief_mm=-deepest_mm)] if deepest_mm > 0 else []
     raise DesignError(
         f"letters engraved by {depth_mm:g} mm leave less than {LEAST_FLOOR_MM:g} mm of a wall of "
-        f"{thickness_mm:g} mm: {less}take --thickness {_up(depth_mm + LEAST_FLOOR_MM):g}"
+        f"{thickness_mm:g} mm",
+        *less,
+        Remedy(thickness_mm=_up(depth_mm + LEAST_FLOOR_MM)),
     )
 
 
@@ -153,10 +156,12 @@ def _require_frame(caption: Caption, spec: PatternSpec) -> None:
     if high_mm + spec.web_mm <= frame_mm + SLACK_MM:
         return
     smaller_mm = _down((frame_mm - spec.web_mm) / caption.extent.height)
-    smaller = f" or {_letters_of(smaller_mm)}" if caption.is_printable(smaller_mm, spec.nozzle_mm) else ""
+    printable = caption.is_printable(smaller_mm, spec.nozzle_mm)
     raise DesignError(
         f"letters {high_mm:.3g} mm high do not fit a frame of {frame_mm:g} mm with {spec.web_mm:g} mm "
-        f"beside them: take --frame {_up(high_mm + spec.web_mm):g}{smaller}"
+        f"beside them",
+        Remedy(frame_mm=_up(high_mm + spec.web_mm)),
+        *([Remedy(caption_height_mm=smaller_mm)] if printable else []),
     )
 
 
@@ -166,10 +171,12 @@ def _require_printable(caption: Caption, spec: PatternSpec) -> None:
         return
     height_mm = _up(_limit(lambda h: caption.is_printable(h, spec.nozzle_mm), spec.nozzle_mm * 1e3, 0.0))
     frame_mm = caption.extent.height * height_mm + spec.web_mm
-    wider = f" and --frame {_up(frame_mm):g}" if frame_mm > spec.surround.frame_mm else ""
+    wider = {"frame_mm": _up(frame_mm)} if frame_mm > spec.surround.frame_mm else {}
     raise DesignError(
         f"letters {caption.height_mm:.3g} mm high have strokes or gaps narrower than half a nozzle line "
-        f"({LINE_SHARE * spec.nozzle_mm:g} mm): take {_letters_of(height_mm)}{wider}, or a finer --nozzle"
+        f"({LINE_SHARE * spec.nozzle_mm:g} mm)",
+        Remedy(caption_height_mm=height_mm, **wider),
+        "a finer nozzle",
     )
 
 
@@ -178,15 +185,15 @@ def _require_room(caption: Caption, strip: _Strip) -> None:
     ink = _ink(caption)
     if strip.has_room(ink):
         return
-    remedies = ", ".join([*_more_room(caption, strip, ink), "or a shorter text"])
     raise DesignError(
         f"a caption {caption.height_mm * caption.extent.width:.3g} mm wide comes within "
-        f"{strip.gap_mm(ink):.3g} mm of the edge or a mounting hole (limit {strip.spec.web_mm / 2:g} mm): "
-        f"take {remedies.removeprefix('or ')}"
+        f"{strip.gap_mm(ink):.3g} mm of the edge or a mounting hole (limit {strip.spec.web_mm / 2:g} mm)",
+        *_more_room(caption, strip, ink),
+        "a shorter text",
     )
 
 
-def _more_room(caption: Caption, strip: _Strip, ink: BaseGeometry) -> Iterator[str]:
+def _more_room(caption: Caption, strip: _Strip, ink: BaseGeometry) -> Iterator[Remedy]:
     """What would let a caption stand clear; each has been tried."""
 
     def scaled(share: float) -> bool:
@@ -197,17 +204,13 @@ def _more_room(caption: Caption, strip: _Strip, ink: BaseGeometry) -> Iterator[s
 
     height_mm = _down(caption.height_mm * _limit(scaled, 0.0, 1.0))
     if caption.is_printable(height_mm, strip.spec.nozzle_mm):
-        yield _letters_of(height_mm)
+        yield Remedy(caption_height_mm=height_mm)
     other: Place = "bottom" if strip.place == "top" else "top"
     if replace(strip, place=other).has_room(ink):
-        yield f"--caption-place {other}"
+        yield Remedy(caption_place=other)
     # Holes that are placed by hand do not move out with the edge.
     if not strip.spec.surround.holes and sized(GREATEST_SIZE_MM):
-        yield f"--size {_up(_limit(sized, GREATEST_SIZE_MM, strip.size_mm)):g}"
-
-
-def _letters_of(height_mm: float) -> str:
-    return f"--caption-height {height_mm:g}"
+        yield Remedy(size_mm=_up(_limit(sized, GREATEST_SIZE_MM, strip.size_mm)))
 
 
 def _ink(caption: Caption) -> BaseGeometry:

@@ -17,6 +17,7 @@ from perfqr_cad.geometry.graph import components
 from perfqr_cad.geometry.outline import Bezier, Line, Loop, Point, Points, Region, Segment
 from perfqr_cad.geometry.winding import near, united
 from perfqr_cad.profile.typeface import Glyph, Typeface, typeface, with_letters
+from perfqr_cad.remedy import Remedy
 
 MOST_SEGMENTS = 100_000  # of all letters: what a solid of some minutes has
 # Characters that are not seen but choose letter forms or directions: zero width non-joiner and joiner,
@@ -119,7 +120,7 @@ def _set(text: str, font: str | None) -> tuple[Placed, ...]:
     if segments > MOST_SEGMENTS:
         raise DesignError(
             f"letters of {face.name} with {segments} segments in all (limit {MOST_SEGMENTS}): "
-            "take a plainer --font or a shorter text"
+            "take a plainer font or a shorter text"
         )
     return tuple(placed)
 
@@ -194,8 +195,8 @@ def _require_shapes(run: str, glyphs: Sequence[Glyph], line: str, face: Typeface
         elif glyph.letter in inked or not _is_seen(letter):
             continue
         other = next(with_letters({c for c in line if _is_seen(c)}), None)
-        remedy = f'--font "{other}" has it' if other else "name a font that has it, or its file, with --font"
-        raise DesignError(f"the font {face.name} has no shape for {letter!r} (U+{ord(letter):04X}): {remedy}")
+        remedy = Remedy(font=other) if other else "a font that has one, by its name or file"
+        raise DesignError(f"the font {face.name} has no shape for {letter!r} (U+{ord(letter):04X})", remedy)
 
 
 def _is_seen(letter: str) -> bool:

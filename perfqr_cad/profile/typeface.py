@@ -18,6 +18,7 @@ import uharfbuzz as hb
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Loop
 from perfqr_cad.geometry.winding import loops_of
+from perfqr_cad.remedy import Remedy
 
 FONT = "DejaVu Sans"  # comes with matplotlib: the same outlines on every machine
 FILE = "fonts/ttf/DejaVuSans.ttf"  # in matplotlib's data folder
@@ -105,8 +106,8 @@ def typeface(font: str | None = None) -> Typeface:
     known = {name.casefold(): name for name in _installed()}
     if font.casefold() not in known:
         close = difflib.get_close_matches(font.casefold(), known, n=1)
-        hint = f'--font "{known[close[0]]}", say, or' if close else "another, or"
-        raise DesignError(f"font {font!r} is not installed: name {hint} give the path of a font file")
+        like = [Remedy(font=known[close[0]])] if close else []
+        raise DesignError(f"font {font!r} is not installed", *like, "the path of a font file")
     name = known[font.casefold()]
     return _opened(name, *_installed()[name])
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import LEAST_MM
+from perfqr_cad.remedy import Remedy
 
 MOST_DRAFT_DEG = 60.0  # beyond it the holes of neighbouring modules meet long before the back of any plate
 
@@ -53,8 +54,9 @@ class Walls:
             return thickness_mm
         if self.depth_mm >= thickness_mm:
             raise DesignError(
-                f"pockets of {self.depth_mm:g} mm leave no floor in {thickness_mm:g} mm: "
-                f"take a depth below {thickness_mm:g} mm, or none for through-holes"
+                f"pockets of {self.depth_mm:g} mm leave no floor in {thickness_mm:g} mm",
+                f"a depth below {thickness_mm:g} mm",
+                Remedy(depth_mm=None),
             )
         return self.depth_mm
 
@@ -65,8 +67,9 @@ class Walls:
             return 0.0
         if flared <= LEAST_MM:
             raise DesignError(
-                f"a lip of {self.lip_mm:g} mm leaves nothing to flare in holes {reach_mm:g} mm deep: "
-                f"take a lip below {reach_mm:g} mm or a draft of 0°"
+                f"a lip of {self.lip_mm:g} mm leaves nothing to flare in holes {reach_mm:g} mm deep",
+                f"a lip below {reach_mm:g} mm",
+                Remedy(lip_mm=None, draft_deg=0.0),
             )
         flare = flared * math.tan(math.radians(self.draft_deg))
         return flare if flare > LEAST_MM else 0.0

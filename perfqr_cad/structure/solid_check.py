@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from perfqr_cad.errors import AnalysisError
+from perfqr_cad.remedy import Remedy
 from perfqr_cad.structure.analysis import prepare
 from perfqr_cad.structure.assessment import assess
 from perfqr_cad.structure.case import Case
@@ -94,8 +95,9 @@ def verify_solid(
             break
     else:
         raise AnalysisError(
-            f"the part in three dimensions needs {needed / 1e9:.1f} GB (limit {MOST_BYTES / 1e9:g}): "
-            "leave --verify-solid out, or take a lower version"
+            f"the part in three dimensions needs {needed / 1e9:.1f} GB (limit {MOST_BYTES / 1e9:g})",
+            Remedy(verify_solid=None),
+            "a lower version",
         )
     shell = prepare(Part.of(pattern, placement), upright, size)
     if not case.handling:

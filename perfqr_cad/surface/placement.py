@@ -138,8 +138,8 @@ class Placement(ABC):
         half = size_mm / 2
         if half > self.reach_mm():
             raise DesignError(
-                f"a code of {size_mm:.4g} mm does not fit this surface: "
-                f"at most {2 * self.reach_mm():.4g} mm does"
+                f"a code of {size_mm:.4g} mm does not fit this surface",
+                f"at most {_floored(2 * self.reach_mm()):.10g} mm",
             )
         grid = square(half)
         along_u, along_v = self.tangents(grid)
@@ -177,7 +177,7 @@ class Placement(ABC):
                 f"a code of {size_mm:.4g} mm is bent too much by this surface: module area off by "
                 f"{found.area_worst:.0%} (limit {limit.area:.0%}), shear {found.shear_worst_deg:.0f}° "
                 f"({limit.shear_deg:.0f}°), tilt {found.tilt_worst_deg:.0f}° ({limit.tilt_deg:.0f}°); "
-                f"at most {_floored(self.largest_size_mm(limit)):.4g} mm stays within"
+                f"at most {_floored(self.largest_size_mm(limit)):.10g} mm stays within"
             )
         return found
 

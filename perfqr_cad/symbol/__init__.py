@@ -4,8 +4,9 @@ Text, codewords and modules only: nothing here knows of pictures, millimetres or
 """
 
 from perfqr_cad.symbol.drawing import Symbol, deinterleave, draw, extract
-from perfqr_cad.symbol.encoding import encode, free_codewords, interleave, with_best_mask, with_pads
+from perfqr_cad.symbol.encoding import encode, free_codewords, interleave, padded, with_best_mask, with_pads
 from perfqr_cad.symbol.format import FormatInfo, format_candidates, format_word, read_format, read_version
+from perfqr_cad.symbol.freedom import Freedom, Wishes, freedom
 from perfqr_cad.symbol.layout import Layout, Role, layout
 from perfqr_cad.symbol.masks import mask_pattern, penalty
 from perfqr_cad.symbol.matrix import Matrix
@@ -19,6 +20,7 @@ __all__ = [
     "QUIET_MODULES",
     "Blocks",
     "FormatInfo",
+    "Freedom",
     "Layout",
     "Level",
     "Matrix",
@@ -30,6 +32,7 @@ __all__ = [
     "Segment",
     "StructuredAppend",
     "Symbol",
+    "Wishes",
     "blocks",
     "deinterleave",
     "draw",
@@ -38,9 +41,11 @@ __all__ = [
     "format_candidates",
     "format_word",
     "free_codewords",
+    "freedom",
     "interleave",
     "layout",
     "mask_pattern",
+    "padded",
     "payload_of",
     "penalty",
     "read_format",

@@ -189,6 +189,6 @@ CASES: dict[str, Case] = {
     "through the hole in the middle": Case(
         lambda: Box(60, 60, 1.6) - Cylinder(4, 10), ABOVE, says="meets no outer face"
     ),
-    "over the fillets": Case(rounded_box, ABOVE, 68.0, "at most"),
+    "over the fillets": Case(rounded_box, ABOVE, 68.0, "use --size 5"),
     "tiny": Case(lambda: Box(3, 3, 0.2), says="hangs over the edge"),
 }

@@ -28,7 +28,7 @@ EXIT_CODES = (2, 3)  # bad input; asked for by name and not held
 FLAT_TOL, CURVED_TOL = 2e-3, 1e-2  # share of the volume that chords of a mesh may differ by
 AREA_TOL = 2e-2  # a row of pixels at the edge
 PICTURE_PX, DPI = 900, 96
-SKIN_MM = 0.01
+SKIN_MM = 0.01  # behind the front, where it is cut
 READER = "zxing-cpp"
 TRIED = "which was tried"
 _OPTION = re.compile(r"(no )?--([a-z][a-z-]*)(?:[ =]([^\s;:()|]+))?")
@@ -58,10 +58,6 @@ def remedies(message: str) -> list[dict[str, Any]]:
 
     >>> remedies("weak: use --bars 2 --thickness 3, which was tried")
     [{'bars': 2, 'thickness_mm': 3.0}]
-    >>> remedies("not read (--accept-unread writes it): tried without success: --size 60")
-    [{'accept_unread': True}]
-    >>> remedies("too thin: give --size 41 or more, or a finer nozzle")
-    [{'size_mm': 41.0}]
     """
     said, _, _ = message.partition("tried without success")
     if TRIED in said:
@@ -141,7 +137,10 @@ def _of_mesh(asked: Asked, path: Path, certificate: dict[str, Any]) -> Iterator[
 def _of_plate(folder: Path, certificate: dict[str, Any]) -> Iterator[str]:
     """The code as zxing-cpp reads it in the front face and, where no bars are recessed, in the drawing."""
     asks, area_mm2 = certificate["request"], certificate["connectivity"]["area_mm2"]
-    pictures = {"front face": _front(folder / "part.stl", asks["thickness_mm"])}
+    front_mm = (
+        SKIN_MM if asks["mirror"] else asks["thickness_mm"] - SKIN_MM
+    )  # a mirrored part lies on its front
+    pictures = {"front face": _cut(folder / "part.stl", front_mm)}
     if asks["svg"] == "filled":
         drawn, pixel_mm2 = _drawing(folder / "part.svg")
         off = abs(drawn.sum() / 255 * pixel_mm2 / area_mm2 - 1)
@@ -166,17 +165,16 @@ def _drawing(path: Path) -> tuple[NDArray[np.uint8], float]:
     return material, width * height / material.size
 
 
-def _front(path: Path, thickness_mm: float) -> NDArray[np.uint8]:
-    """The same of a mesh, cut just behind its front."""
+def _cut(path: Path, height_mm: float) -> NDArray[np.uint8]:
+    """The same of a mesh, cut at a height."""
     mesh: Any = trimesh.load_mesh(path)
-    cut = mesh.section(plane_origin=(0, 0, thickness_mm - SKIN_MM), plane_normal=(0, 0, 1))
+    cut = mesh.section(plane_origin=(0, 0, height_mm), plane_normal=(0, 0, 1))
     loops = [loop[:, :2] for loop in cut.discrete]
     low, high = np.min(cut.vertices, axis=0)[:2], np.max(cut.vertices, axis=0)[:2]
     scale = PICTURE_PX / float(np.max(high - low))
     picture = np.zeros(np.ceil((high - low) * scale).astype(int)[::-1], np.uint8)
-    cv2.fillPoly(
-        picture, [np.rint((loop - low) * scale).astype(np.int32) for loop in loops], (255,)
-    )  # even-odd
+    pixels = [np.rint((loop - low) * scale).astype(np.int32) for loop in loops]
+    cv2.fillPoly(picture, pixels, (255,))  # all at once: even-odd
     return np.flipud(picture)
 
 

@@ -14,7 +14,7 @@ from .drawn import Asked, draw
 from .judges import Outcome, faults, remedies
 from .storm import Fault, run, shortest
 
-SEEDS = (1, 2, 3, 5, 8)
+SEEDS = (1, 2, 3, 4, 5, 7, 9, 10, 11, 17)
 PLATE = Asked(0, "plate", True, {"text": "A"})
 
 

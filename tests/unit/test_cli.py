@@ -114,7 +114,9 @@ def test_several_codes_in_one_image(tmp_path: Path, run: Run, refused: Refused) 
         )
     assert "there is no number 3" in refused("make", "--image", path, "--which", 3, "--json")
     assert "payload: other" in run("read", path, "--which", 2)[1]
-    assert "none is given: leave it out" in refused("make", "a text", "--which", 1, "--json")
+    assert "which=1 has no effect without image: use an image or no --which" in refused(
+        "make", "a text", "--which", 1, "--json"
+    )
 
 
 def test_code_damaged_beyond_its_capacity(tmp_path: Path, refused: Refused) -> None:
@@ -132,7 +134,7 @@ def test_code_damaged_beyond_its_capacity(tmp_path: Path, refused: Refused) -> N
 def test_payload_too_long_for_the_version(folder: Path, refused: Refused) -> None:
     message = refused("make", "x" * 500, "--version", 5, "-o", f"{folder}/")
     assert "version 5-M holds 86" in message  # data codewords of 5-M: ISO/IEC 18004 Table 7
-    assert "use version" in message
+    assert "use --version" in message
     assert left_behind(folder) == []
 
 
@@ -194,7 +196,7 @@ LONG = "n" * 300
         (("--size", "40", "-D", "size=50"), "size is given twice"),
         (("-D", "size=40", "-D", "size=50"), "size is given twice"),
         (("--text", "another"), "text is given twice"),
-        (("--image", "code.png"), "a text and a picture"),
+        (("--image", "code.png"), "text and image are given together"),
         (("-t", "bottle", "--frame", "3"), "template 'bottle' does not take 'frame'"),
         (("-D", "siez=30"), "did you mean 'size'"),
         (("-D", "version=2.5"), "version='2.5' is no whole number: give 1 to 40"),

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ import pytest
 from perfqr_cad import scratch
 from perfqr_cad.errors import DesignError
 from perfqr_cad.export.staging import staged
+from perfqr_cad.scratch import _alive
 
 HEAD = """
 import ctypes, os, signal, sys
@@ -64,10 +66,12 @@ def test_what_a_killed_run_leaves_is_cleared_by_the_next(tmp_path: Path) -> None
 def test_a_run_dies_with_its_supervisor(tmp_path: Path) -> None:
     with program(tmp_path, "sys.exit(supervised.run(stuck))") as running:
         assert running.stdout is not None
-        assert running.stdout.readline().startswith("ready")
+        child = int(running.stdout.readline().removeprefix("ready "))
         running.kill()
         running.wait(timeout=60)
         assert running.stdout.read() == ""  # ends only when the child has let go of it
+    while _alive(child):  # a process closes its files a moment before it is no more
+        time.sleep(0.01)
     scratch.sweep()
     assert list(tmp_path.iterdir()) == []
 

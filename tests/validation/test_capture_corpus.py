@@ -7,6 +7,7 @@ zxing (Apache-2.0), with their ground truth beside them.
 from __future__ import annotations
 
 import csv
+import re
 from functools import cache
 from pathlib import Path
 
@@ -47,9 +48,17 @@ def test_shared_art(row: dict[str, str]) -> None:
     )
 
 
+MODEL_1 = ("zxingcpp-2-940.png", "zxingcpp-2-qr-model-1.png")  # codes of the standard's first edition
+
+
 @pytest.mark.parametrize("path", sorted((SHARED / "photos").glob("*.png")), ids=lambda path: path.name)
 def test_shared_photographs(path: Path) -> None:
     expected = path.with_suffix(".txt").read_bytes()
+    if path.name in MODEL_1:
+        begin = re.escape(expected.decode()[:16].strip())
+        with pytest.raises(CaptureError, match=f"holds no QR code but a QR code Model 1: '{begin}.*--text"):
+            read(path)
+        return
     assert read(path).recovery.payload.data == expected.rstrip(b"\n")
 
 

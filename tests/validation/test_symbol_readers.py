@@ -11,6 +11,7 @@ from perfqr_cad.symbol import (
     Symbol,
     encode,
     free_codewords,
+    freedom,
     layout,
     readability,
     with_pads,
@@ -93,3 +94,20 @@ def test_zxing_ignores_what_follows_the_terminator(seed: int) -> None:
     assert code is not None
     assert code.text == "pads"
     assert other.matrix != symbol.matrix
+
+
+@pytest.mark.parametrize("version", [1, 2, 3, 5, 7, 11, 18, 27, 40])
+@pytest.mark.parametrize("level", LEVELS)
+def test_members_of_the_free_space_are_read_without_a_corrected_error(version: int, level) -> None:
+    """zxing-cpp's unused correction is 1, and zbar reads the same bytes."""
+    from pyzbar import pyzbar
+
+    space = freedom(encode("FREE 42", version=version, level=level))
+    random = np.random.default_rng(version)
+    for _ in range(3):
+        symbol = space.member(random.integers(0, 2, space.dimension).astype(bool))
+        code = read(symbol.matrix)
+        assert code is not None
+        assert (code.text, code.extra["UEC"]) == ("FREE 42", 1.0)
+        picture = np.kron(~np.pad(symbol.matrix.dark, 4), np.full((4, 4), 255, np.uint8)).astype(np.uint8)
+        assert [one.data for one in pyzbar.decode(picture)] == [b"FREE 42"]

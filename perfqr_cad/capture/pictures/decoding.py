@@ -81,8 +81,8 @@ def check_size(width: int, height: int, name: str) -> None:
         )
     if min(width, height) < MIN_SIDE_PX:
         raise CaptureError(
-            f"a picture of {width} × {height} px holds no code: the smallest has {MIN_SIDE_PX} modules a "
-            "side; use a larger picture"
+            f"{name} has {width} × {height} pixels, which hold no code: the smallest has {MIN_SIDE_PX} "
+            "modules a side; use a larger picture"
         )
 
 

@@ -42,8 +42,7 @@ def drawer() -> Callable[[Message], Message]:
 
     def answer(request: Message) -> Message:
         name = request.value["name"]
-        text = _text(request.arrays[0].tobytes(), name)
-        width, height = _look_through(text, name).size
+        text, (width, height) = looked_through(request.arrays[0].tobytes(), name)
         scale = SIDE_PX / max(width, height)
         try:
             with without_files():
@@ -61,6 +60,21 @@ def drawer() -> Callable[[Message], Message]:
     return answer
 
 
+def looked_through(content: bytes, name: str) -> tuple[str, tuple[float, float]]:
+    """A drawing's text and its size in its own units. CaptureError for what no renderer may meet."""
+    text = _text(content, name)
+    drawing = _Drawing(name)
+    parser = expat.ParserCreate("utf-8")
+    parser.StartElementHandler = drawing.begin
+    parser.EndElementHandler = drawing.end
+    parser.EntityDeclHandler = drawing.entity
+    try:
+        parser.Parse(text.encode(), True)
+    except (expat.ExpatError, UnicodeEncodeError) as error:
+        raise CaptureError(f"{name} is a damaged SVG ({error}): save it again") from error
+    return text, drawing.size
+
+
 def _text(content: bytes, name: str) -> str:
     try:
         if content[:2] == b"\x1f\x8b":
@@ -71,20 +85,6 @@ def _text(content: bytes, name: str) -> str:
         return content.decode("utf-8-sig")
     except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
         raise CaptureError(f"{name} is a damaged SVG ({error}): save it again") from error
-
-
-def _look_through(text: str, name: str) -> _Drawing:
-    """What is to be known of a drawing before it is drawn; CaptureError for what no renderer may meet."""
-    drawing = _Drawing(name)
-    parser = expat.ParserCreate("utf-8")
-    parser.StartElementHandler = drawing.begin
-    parser.EndElementHandler = drawing.end
-    parser.EntityDeclHandler = drawing.entity
-    try:
-        parser.Parse(text.encode(), True)
-    except (expat.ExpatError, UnicodeEncodeError) as error:
-        raise CaptureError(f"{name} is a damaged SVG ({error}): save it again") from error
-    return drawing
 
 
 @dataclass

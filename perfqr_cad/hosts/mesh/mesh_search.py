@@ -14,6 +14,7 @@ from perfqr_cad.hosts.body import Body
 from perfqr_cad.hosts.frame import Frame, frame_at
 from perfqr_cad.hosts.place import PlaceRequest, PlaceSearch, Problem, Spot, floored, largest_below
 from perfqr_cad.hosts.survey import COARSE, Survey, coarse_surveys, survey
+from perfqr_cad.remedy import Remedy
 
 CANDIDATES = 250  # spots tried
 BEST = 12  # of them judged finely, the flattest first
@@ -57,10 +58,9 @@ class MeshSearch(PlaceSearch):
             return found
         commonest = reasons.most_common(1)[0][0] if reasons else "steps between the samples"
         largest = largest_below(size_mm, lambda size: self._flattest(size)[0] is not None)
-        remedy = f"; at most {floored(largest)} mm fits" if largest else ""
         raise DesignError(
-            f"no spot of the mesh takes a code of {size_mm:.4g} mm ({CANDIDATES} tried); mostly, "
-            f"{commonest}{remedy}"
+            f"no spot of the mesh takes a code of {size_mm:.4g} mm ({CANDIDATES} tried); mostly, {commonest}",
+            *([Remedy(size_mm=floored(largest))] if largest else []),
         )
 
     def _flattest(self, size_mm: float) -> tuple[Survey | None, Counter[str]]:

@@ -21,6 +21,7 @@ from perfqr_cad.hosts.place import (
 )
 from perfqr_cad.hosts.step.host import Host
 from perfqr_cad.hosts.survey import COARSE, Survey, coarse_surveys, survey, surveys
+from perfqr_cad.remedy import Remedy
 
 CANDIDATES = 160  # spots tried on one face, half of those tried round a spot that does not work
 FACES_TRIED = 40
@@ -94,12 +95,10 @@ class FaceSearch(PlaceSearch):
         nearly = [found for found in middles if found.front_problem() is None] or middles
         reason = self.problem(nearly[0]) or "no place takes it"
         largest = largest_below(size_mm, lambda size: self._first(few, size) is not None)
-        remedy = ""
-        if largest and (smaller := self._first(few, largest)) is not None:
-            remedy = f"; at most {floored(largest)} mm fits: face={smaller[0] + 1}"
         raise DesignError(
             f"no face of {self.name} takes a code of {size_mm:.4g} mm; in the middle of the largest, "
-            f"{reason}{remedy}"
+            f"{reason}",
+            *([Remedy(size_mm=floored(largest))] if largest else []),
         )
 
     def _first(self, faces: Sequence[int], size_mm: float) -> tuple[int, Survey] | None:

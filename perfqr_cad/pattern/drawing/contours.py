@@ -40,7 +40,9 @@ def check_webs(canvas: Canvas, spec: PatternSpec) -> None:
     if (pieces := len(web_pieces(_web_material(canvas, spec), spec.web_mm))) != 1:
         raise DesignError(
             f"webs under {spec.web_mm:g} mm hold the pattern: without them {pieces} pieces are left,"
-            " 1 is needed; use a larger --size or a finer nozzle"
+            " 1 is needed",
+            "a larger code",
+            "a finer nozzle",
         )
 
 

@@ -6,6 +6,7 @@ edges cut open and the two sides of the bar put in: nothing is traced or united 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry.outline import Line, Loop, Point, Points, Region, Segment
 from perfqr_cad.pattern.bridge import Bridge
+from perfqr_cad.remedy import Remedy
 
 ON_EDGE_MM = 1e-6  # rounding of coordinates
 
@@ -50,8 +52,7 @@ def front_with_bars(front: Sequence[Region], bars: Sequence[Bridge]) -> Region:
         outers = [loop for loop in kept if id(loop) in known] + [loop for loop in changed if loop.area > 0]
     if len(outers) != 1:
         raise DesignError(
-            f"{len(outers)} pieces are left after bridging, 1 is needed:"
-            " use a larger --size or a finer nozzle"
+            f"{len(outers)} pieces are left after bridging, 1 is needed", "a larger code", "a finer nozzle"
         )
     return Region(outers[0], tuple(loop for loop in loops if loop is not outers[0]))
 
@@ -121,13 +122,19 @@ class _Outline:
         if isinstance(segment, Line):
             self._ends[:, at] = segment.start, segment.end
 
+    def _holds(self, at: int, *points: Point) -> bool:
+        """Whether a straight edge reaches as far as these points on its line."""
+        start, end = self._ends[:, at]
+        along = (np.array(points) - start) @ (end - start) / math.dist(start, end)
+        return bool((along >= -ON_EDGE_MM).all() and (along <= math.dist(start, end) + ON_EDGE_MM).all())
+
     def _opened(self, middle: Point, first: Point, second: Point) -> tuple[int, int]:
         """The edge around a point cut away between two others: its part before and its part after."""
         at = edge_under(middle, *self._ends)
-        if at is None:
+        if at is None or not self._holds(at, first, second):
             raise DesignError(
-                f"a recessed bar ends at ({middle[0]:.2f}, {middle[1]:.2f}) mm on no straight edge:"
-                " use --finder panel"
+                f"a recessed bar ends at ({middle[0]:.2f}, {middle[1]:.2f}) mm on no straight edge",
+                Remedy(finder="panel"),
             )
         edge = self._segments[at]
         after = self._after[at]

@@ -9,6 +9,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern.cells.lattice import cells_per_module
 from perfqr_cad.pattern.drawing.style import is_drawn, least_module_mm
 from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.remedy import Remedy
 from perfqr_cad.symbol import Symbol
 
 if TYPE_CHECKING:
@@ -30,7 +31,9 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
         if spec.size_mm < least_size - SIZE_ROUNDING_MM:
             raise DesignError(
                 f"size {spec.size_mm:g} mm makes modules of {spec.size_mm / modules:.3g} mm, least is"
-                f" {least_module:.3g} mm ({reason}): use --size {least_size:g} or more, or a finer nozzle"
+                f" {least_module:.3g} mm ({reason})",
+                Remedy(size_mm=least_size),
+                "a finer nozzle",
             )
         return spec.size_mm / modules, "as asked"
     if art is not None and art.kind == "halftone":
@@ -41,6 +44,13 @@ def module_size(symbol: Symbol, spec: PatternSpec, art: Art | None) -> tuple[flo
                 f"{art.scale} dots of {dot_mm:.3g} mm across, wide enough for a web of {spec.web_mm:g} mm"
             )
     return rounded_up(least_module * modules) / modules, f"module {least_module:.3g} mm: {reason}"
+
+
+def can_be_made(symbol: Symbol, spec: PatternSpec) -> bool:
+    """Whether the plain modules of a symbol are large enough in the size that is asked for."""
+    least_module, _ = _least_module(spec, is_drawn(spec.style))
+    least_mm = rounded_up(least_module * (symbol.size + 2 * spec.quiet_modules))
+    return spec.size_mm is None or spec.size_mm >= least_mm - SIZE_ROUNDING_MM
 
 
 def _least_module(spec: PatternSpec, drawn: bool) -> tuple[float, str]:

@@ -16,7 +16,6 @@ from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Line
 from OCP.gp import gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.GProp import GProp_GProps
 from OCP.Message import Message, Message_Gravity
-from OCP.Standard import Standard_Failure
 from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array1OfPnt2d, TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
@@ -26,6 +25,7 @@ from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from perfqr_cad.errors import KernelError
 from perfqr_cad.geometry.arrays import Array
+from perfqr_cad.remedy import Remedy
 
 FACE = TopAbs_ShapeEnum.TopAbs_FACE
 EDGE = TopAbs_ShapeEnum.TopAbs_EDGE
@@ -38,13 +38,18 @@ REVERSED = TopAbs_Orientation.TopAbs_REVERSED
 
 
 @contextmanager
-def kernel(doing: str, remedy: str) -> Generator[None, None, None]:
+def kernel(doing: str, remedy: str | Remedy) -> Generator[None, None, None]:
     """Translate the kernel's exceptions into one-line `KernelError`s."""
     try:
         yield
-    except Standard_Failure as error:
+    except Exception as error:
+        if not type(error).__module__.startswith("OCP."):  # their classes have no base of their own
+            raise
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise KernelError(f"{doing} failed in the solid modeller ({reason}): {remedy}") from error
+        told = f"{doing} failed in the solid modeller ({reason})"
+        if isinstance(remedy, Remedy):
+            raise KernelError(told, remedy) from error
+        raise KernelError(f"{told}: {remedy}") from error
 
 
 def silence() -> None:

@@ -10,10 +10,13 @@ from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf
 from OCP.TopoDS import TopoDS
 
 from perfqr_cad.geometry import Triangles
+from perfqr_cad.remedy import Remedy
 from perfqr_cad.solid.kernel import occ
 
 if TYPE_CHECKING:
     from perfqr_cad.solid.shape import Solid
+
+TURNING = "turning the part over", Remedy(mirror=None)
 
 
 def turned(solid: Solid, thickness_mm: float) -> Solid:
@@ -23,7 +26,7 @@ def turned(solid: Solid, thickness_mm: float) -> Solid:
     """
     half_turn = gp_Trsf()
     half_turn.SetMirror(gp_Ax1(gp_Pnt(0, 0, thickness_mm / 2), gp_Dir(0, 1, 0)))  # about an axis: half a turn
-    with occ.kernel("turning the part over", "leave --mirror out"):
+    with occ.kernel(*TURNING):
         shape = TopoDS.Solid_s(BRepBuilderAPI_Transform(solid.shape, half_turn, True).Shape())
     (x0, y0, z0), (x1, y1, z1) = solid.bbox_mm
     return replace(

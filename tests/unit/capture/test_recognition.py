@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import segno
 
-from perfqr_cad.capture import read, recognition
+from perfqr_cad.capture import read, recognition, symbologies
+from perfqr_cad.capture.engines import MODEL_1
 from perfqr_cad.capture.recognition import LEAST_AGREEMENT
 from perfqr_cad.capture.seeds import Seed
 from perfqr_cad.errors import CaptureError, SymbolError
@@ -164,3 +165,27 @@ def test_captures_are_closed_for_writing() -> None:
     for array in (found.log_likelihood, found.rectified, found.homography, found.warp, found.confidence):
         assert not array.flags.writeable
     assert found.matrix == Matrix.from_array(found.log_likelihood > 0)
+
+
+def test_a_page_bent_at_the_far_corner_is_read() -> None:
+    """Its function patterns fit a flat grid well; the modules by the corner without a finder do not."""
+    flat = np.kron(np.pad(encode("H15-03-34", level="L", version=1).matrix.dark, 4), np.ones((12, 12)))
+    y, x = np.mgrid[: flat.shape[0], : flat.shape[1]].astype(np.float32)
+    pulled = 14 * (np.clip((x - 48) / 252, 0, 1) * np.clip((y - 48) / 252, 0, 1)) ** 2
+    bent = cv2.remap(255 - 255 * flat.astype(np.float32), x - pulled, y + pulled / 2, cv2.INTER_LINEAR)
+    found = read(bent.astype(np.uint8))
+    assert (found.recovery.payload.text, found.recovery.errors) == ("H15-03-34", (0,))
+    assert np.abs(found.warp).max() > 0
+
+
+def test_model_1_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody at hand writes such codes: the eyes of zxing-cpp are replaced, the damaged code is real."""
+    dark = np.array(encode("not this", level="L", version=2).matrix.dark)
+    dark[9:, 9:] = np.random.default_rng(1).integers(0, 2, (16, 16), bool)
+    monkeypatch.setattr(
+        symbologies,
+        "look",
+        lambda engine, _: [("Data Matrix", "no"), (MODEL_1, "old")] if engine == "other" else [],
+    )
+    with pytest.raises(CaptureError, match="no QR code but a QR code Model 1: 'old'; make a QR code"):
+        read(np.kron(~np.pad(dark, 4), np.ones((6, 6), bool)))

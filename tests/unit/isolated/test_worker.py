@@ -31,7 +31,7 @@ from perfqr_cad.isolated import (
     wire,
 )
 from perfqr_cad.isolated.process import LOOK_S
-from perfqr_cad.isolated.worker import READING_S, reading_limits
+from perfqr_cad.isolated.worker import READING_GB, READING_S, reading_limits
 
 HEAD = """
 import ctypes, os, random, signal, sys
@@ -104,6 +104,23 @@ def test_every_bad_end_is_one_line(job: Job, body: str, kind: type[Exception], s
     with pytest.raises(kind, match=says) as caught:
         ask(job(body))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("megabytes", "kind"), [(50, "Crashed"), (350, "OutOfMemory")])
+def test_native_code_that_dies_near_its_limit_had_too_little_memory(
+    job: Job, megabytes: int, kind: str
+) -> None:
+    script = (
+        f"import sys; sys.path[:0] = [{str(PACKAGE)!r}]\n"
+        "from perfqr_cad.isolated import IsolationError, Limits, Worker\n"
+        f"worker = Worker({job(f'x = np.ones({megabytes} * 2**17); os.abort()')!r},\n"
+        "    limits=Limits(memory_bytes=400 * 2**20))\n"
+        "try:\n    worker.ask()\n"
+        "except IsolationError as reason:\n    print(type(reason).__name__)\n"
+    )
+    # A parent that is small itself: a child begins as its copy, whose memory counts.
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == kind
 
 
 def test_a_process_that_dies_at_its_start_says_why_at_once(tmp_path: Path) -> None:
@@ -240,14 +257,22 @@ def test_refusals_name_the_file_the_reason_and_the_remedy(job: Job, monkeypatch:
     refusal = Refusal(KernelError, "a.stl cannot be read", "export it again")
     with pytest.raises(KernelError, match=r"^a\.stl cannot be read \(crashed by SIGABRT\): export it again$"):
         once(job("os.abort()"), (), Message(), refusal)
-    with pytest.raises(KernelError, match=rf"no end after 0\.2 s of computing.*or allow more .*{READING_S}$"):
+    with pytest.raises(
+        KernelError, match=rf"no end after 0\.2 s of computing\): simplify it, .* {READING_S}$"
+    ):
         once(job("while True: pass"), (), Message(), refusal)
     monkeypatch.setenv(READING_S, "30")  # the remedy
     assert once(job("sum(range(10**7)); return Message(7)"), (), Message(), refusal).value == 7
+    body = job("return Message(len(bytearray(5 * 10**8)))")
+    monkeypatch.setenv(READING_GB, "0.4")
+    with pytest.raises(KernelError, match=rf"more than 0\.4 GB of memory\): simplify it, .* {READING_GB}$"):
+        once(body, (), Message(), refusal)
+    monkeypatch.setenv(READING_GB, "0.8")
+    assert once(body, (), Message(), refusal).value == 5 * 10**8
 
 
 @pytest.mark.parametrize("allowed", ["much", "nan", "-1", "0", "1e9"])
-def test_a_time_that_is_none_is_refused(monkeypatch: pytest.MonkeyPatch, allowed: str) -> None:
+def test_a_bound_that_is_none_is_refused(monkeypatch: pytest.MonkeyPatch, allowed: str) -> None:
     monkeypatch.setenv(READING_S, allowed)
     with pytest.raises(DesignError, match=f"{READING_S}='{allowed}'"):
         reading_limits()

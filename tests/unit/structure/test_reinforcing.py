@@ -8,7 +8,7 @@ from shapely.geometry import Point, Polygon
 
 from perfqr_cad.errors import AnalysisError
 from perfqr_cad.pattern import Pattern, PatternSpec, build
-from perfqr_cad.pattern.choice import easiest_mask
+from perfqr_cad.pattern.choice import easiest
 from perfqr_cad.structure import Case, Part, Pressure, Reinforcement, reinforce
 from perfqr_cad.structure.analysis import prepare
 from perfqr_cad.structure.elements import mindlin_plate as plate
@@ -265,7 +265,9 @@ def test_settings_out_of_range_are_refused() -> None:
 
 def bars_needed(method: str, version: int, size_mm: float, finder: str, pressure_mpa: float) -> Reinforcement:
     spec = PatternSpec(size_mm=size_mm, finder=finder)  # type: ignore[arg-type]
-    drawn = build(easiest_mask(encode("https://example.com/p/1234567", version=version), spec), spec)
+    drawn = build(
+        easiest(encode("https://example.com/p/1234567", version=version), spec, pads=False)[0], spec
+    )
     case = Case.of(Pressure(pressure_mpa), flare_mm=0.375)
     return reinforce(drawn, Plane(1.6), case, method=method)  # type: ignore[arg-type]
 
@@ -288,7 +290,7 @@ def test_the_optimal_choice_ends_no_worse_than_the_paper_s(
 
 def test_bars_are_looked_for_in_holes_that_fall_into_pieces_when_shrunk() -> None:
     spec = PatternSpec(size_mm=60.0, finder="panel")
-    drawn = build(easiest_mask(encode("https://example.com/p/1234567", version=3), spec), spec)
+    drawn = build(easiest(encode("https://example.com/p/1234567", version=3), spec, pads=False)[0], spec)
     found = lattice_candidates(drawn, Allowance.of(drawn), (drawn.spec.web_mm,))
     holes = [Polygon(ring) for ring in drawn.polygon.interiors]
     shrunk = [hole.buffer(-drawn.spec.web_mm / 2 - drawn.spec.gap_mm, join_style="mitre") for hole in holes]

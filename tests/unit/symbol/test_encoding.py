@@ -13,16 +13,16 @@ def test_smallest_version_is_taken_and_the_text_comes_back() -> None:
 
 
 def test_text_too_long_names_length_capacity_and_remedies() -> None:
-    with pytest.raises(SymbolError, match=r"needs 32 codewords, version 1-H holds 9: use version 4$"):
+    with pytest.raises(SymbolError, match=r"needs 32 codewords, version 1-H holds 9: use --version 4$"):
         encode("https://example.com/p/1234567x", version=1, level="H")
-    with pytest.raises(SymbolError, match=r"version 2-H holds 16: use version 4 or level L"):
+    with pytest.raises(SymbolError, match=r"version 2-H holds 16: use --version 4 or --level L"):
         encode("https://example.com/p/1234567x", version=2, level="H")
-    with pytest.raises(SymbolError, match=r"version 40-H holds 1276: shorten it"):
+    with pytest.raises(SymbolError, match=r"version 40-H holds 1276: use a shorter text"):
         encode("x" * 5000, level="H")
 
 
 def test_level_that_fits_is_named() -> None:
-    with pytest.raises(SymbolError, match=r"needs 2003 codewords, version 40-H holds 1276: use level M$"):
+    with pytest.raises(SymbolError, match=r"needs 2003 codewords, version 40-H holds 1276: use --level M$"):
         encode("x" * 2000, level="H")
 
 
