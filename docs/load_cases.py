@@ -49,8 +49,9 @@ def _panel(pattern: Pattern, load: HandlingLoad, push: Push) -> Image.Image:
     pressed = pattern.polygon if push.loaded is None else push.loaded
     for region, colour in ((pattern.polygon, MATERIAL), (pressed, PRESSED), (push.held, HELD)):
         mask = _mask(shapely.intersection(pattern.polygon, region), pattern.extent_mm, size)
-        share = 150 if region is pressed and push.loaded is None else 255
-        picture.paste(colour, mask=mask.point(lambda value, share=share: value * share // 255))
+        if region is pressed and push.loaded is None:
+            mask = Image.blend(mask, Image.new("L", mask.size, 0), 0.4)
+        picture.paste(colour, mask=mask)
     return picture.resize((EDGE_PX, EDGE_PX), Image.Resampling.LANCZOS)
 
 
