@@ -109,6 +109,10 @@ def summary(design: Finished) -> str:
         f"{'valid' if solid.valid else 'NOT VALID'}",
         f"scan      read by {readers}",
     ]
+    lines += [f"grounds   {design.scan.ground_words}"] if design.scan.grounds else []
+    if (likeness := design.scan.likeness) is not None:
+        lines += [f"art       {likeness.words(design.scan.readers)}"]
+    lines += [] if design.scan.grade is None else [f"grade     {design.scan.grade.words}"]
     lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings, *design.scan.warnings)]
     for record in design.files:
         lines.append(f"wrote     {record.path} ({record.bytes:,} bytes)")

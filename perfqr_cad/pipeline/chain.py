@@ -19,16 +19,17 @@ from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.pipeline.design import Design
 from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
 from perfqr_cad.pipeline.holding import attempts
-from perfqr_cad.pipeline.promises import promises, require_kept
+from perfqr_cad.pipeline.promises import of_code, promises, require_kept
 from perfqr_cad.pipeline.request import CUT, SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
 from perfqr_cad.pipeline.source import source
 from perfqr_cad.pipeline.targets import Site, Target, locate
-from perfqr_cad.pipeline.tuning import for_reader
+from perfqr_cad.pipeline.tuning import for_grade, for_legibility, for_reader
 from perfqr_cad.progress import tell
 
 if TYPE_CHECKING:
+    from perfqr_cad.capture import Art
     from perfqr_cad.geometry import Triangles
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.scan import ScanReport
@@ -84,9 +85,16 @@ def _once(request: Request, target: Target | None) -> Design:
     with watch("symbol"):
         found = source(request, terms)
     with watch("pattern"):
-        drawn = patterns.build(
-            found.symbol, terms.drawing, None if found.capture is None else found.capture.art
+        art = for_legibility(
+            terms,
+            found,
+            lambda art: patterns.build(found.symbol, terms.drawing, art),
+            request.thickness_mm,
         )
+        terms, drawn = for_grade(
+            terms, lambda terms: patterns.build(found.symbol, terms.drawing, art), request.thickness_mm
+        )
+    require_kept(of_code(drawn))
     with watch("placement"):
         site = locate(target, terms, drawn.extent_mm)
     if request.scan_tilt_deg and request.process not in CUT:
@@ -109,7 +117,8 @@ def _once(request: Request, target: Target | None) -> Design:
     kept = promises(reinforced.pattern, solid)
     require_kept(kept)
     with watch("scan"):
-        report = _filmed(terms, site, solid, reinforced.pattern)
+        given = None if found.capture is None else found.capture.art
+        report = _filmed(terms, site, solid, reinforced.pattern, given)
     require_read(request, report)
     return Design(
         terms.request,
@@ -136,7 +145,7 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
     return scan.part(path, text, mesh_step=mesh_step)
 
 
-def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanReport:
+def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern, art: Art | None) -> ScanReport:
     """What the decoders make of the finished solid; of a stencil's, of the picture that is painted."""
     from perfqr_cad import scan
     from perfqr_cad.profile.sheets import PAINTED, STENCIL
@@ -153,6 +162,7 @@ def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanRep
         look=terms.look,
         seed=terms.request.seed,
         behind=site.behind(solid),
+        art=art,
     )
     return replace(report, warnings=(*report.warnings, PAINTED)) if painted else report
 

@@ -23,6 +23,7 @@ CONTENT: dict[str, Any] = {"empty": "none", "max_length": MOST_LETTERS, "visible
 WRITTEN = ("text", "bytes", *CONTENTS)  # what a code is drawn from
 SOURCES = ("text", "image", *WRITTEN[1:])  # exactly one of them is given
 LOADS = ("load", "pressure", "finger", "own_weight", "handling")  # settings that ask for strength
+AUTO = "auto"
 CUT = ("laser", "waterjet", "knife", "stencil")  # processes that cut sheets
 MOST_CAPTION = 500  # letters that a frame could bear
 
@@ -92,6 +93,14 @@ class Request:
         needs=("image",),
         range=(1, 100),
         empty="the only one",
+    )
+    legibility: str | None = setting(
+        None,
+        "how far the art of a picture gives way to the plain code, 0 to 1, or auto: as far as decoders need",
+        group="Code",
+        needs=("image",),
+        empty="not at all",
+        max_length=10,
     )
     level: str = setting(
         "M",
@@ -165,7 +174,7 @@ class Request:
         "recessed bars of a finder ring",
         group="Look",
         needs=("finder=recessed",),
-        range=(1, 2),
+        range=(1, 3),
         empty="as reads best",
     )
     bar_height_mm: float | None = setting(
@@ -372,6 +381,13 @@ class Request:
         empty="any two",
         max_length=200,
     )
+    grade: str | None = setting(
+        None,
+        "grade of print quality that the part must have, by ISO/IEC 15415; bars are chosen for it",
+        group="Proof",
+        choices=("A:3.5", "B:2.5", "C:1.5", "D:0.5"),
+        empty="not asked for",
+    )
     accept_weak: bool = setting(
         False,
         "write the part although it does not bear a load that was asked for",
@@ -416,19 +432,31 @@ class Request:
     def __post_init__(self) -> None:
         given = [name for name in SOURCES if getattr(self, name) is not None]
         if not given:
-            raise DesignError("nothing to encode: give a text, a picture (--image FILE), --url, --wifi, …")
+            raise DesignError("nothing to encode: give a text, an image, or a content such as url or wifi")
         if len(given) > 1:
             raise DesignError(f"{' and '.join(given)} are given together: give one of them, not both")
         for declared in SETTINGS:
             value = declared.check(getattr(self, declared.field), declared.field)
             object.__setattr__(self, declared.field, value)
         require_effect(SETTINGS, {declared.name: getattr(self, declared.field) for declared in SETTINGS})
+        if self.legibility is not None:
+            _share(self.legibility)
         if len([hole for hole in self.hole_mm if len(hole) == 1]) > 1:
             raise DesignError("hole: two diameters for the holes in the corners: give one, or x,y,diameter")
 
     def as_dict(self) -> dict[str, Any]:
         """The settings as plain JSON values."""
         return asdict(self)
+
+
+def _share(legibility: str) -> None:
+    """Raises `DesignError` for a legibility that is neither a share nor auto."""
+    try:
+        meant = legibility == AUTO or 0 <= float(legibility) <= 1
+    except ValueError:
+        meant = False
+    if not meant:
+        raise DesignError(f"legibility {legibility!r} is neither {AUTO} nor a number from 0 to 1: try 0.5")
 
 
 SETTINGS: tuple[Parameter, ...] = declarations(Request)

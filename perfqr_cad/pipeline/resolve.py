@@ -183,18 +183,15 @@ def _drawing(request: Request) -> PatternSpec:
 
 
 def _bars(request: Request) -> dict[str, Any]:
-    """Settings of the recessed bars: as asked for, and what is left open as suits the reader.
-
-    One bar of two nozzle lines a ring: wider ones bear more and need the shade of their slots to be read,
-    which a crisp picture of the face lacks (docs/pattern.md).
+    """Settings of the recessed bars: as asked for, and what is left open as suits the reader: `PatternSpec`'s
+    own, or, the smaller the bars, the further from aside zxing-cpp reads (docs/scan.md).
     """
-    chosen: dict[str, Any] = {"bars": 1, "bar_width_mm": 2 * request.nozzle_mm}
-    if request.scan_tilt_deg:  # the smaller the bars, the further from aside zxing-cpp reads: docs/scan.md
+    chosen: dict[str, Any] = {}
+    if request.scan_tilt_deg:
         layer_mm = LAYER_SHARE * request.nozzle_mm
-        chosen |= {"bar_width_mm": request.nozzle_mm, "bar_height_mm": layer_mm}
+        chosen = {"bars": 1, "bar_width_mm": request.nozzle_mm, "bar_height_mm": layer_mm}
     asked = {name: getattr(request, name) for name in ("bars", "bar_height_mm", "bar_width_mm")}
-    given = {name: value for name, value in asked.items() if value is not None}
-    return (chosen if not given or request.scan_tilt_deg else {}) | given
+    return chosen | {name: value for name, value in asked.items() if value is not None}
 
 
 def _caption(request: Request, drawing: PatternSpec) -> Caption | None:
@@ -254,10 +251,13 @@ def asked_loads(request: Request) -> tuple[str, ...]:
 def _views(request: Request) -> Schedule:
     """The quick views; with a tilt that is asked for, as many sides and frames as in the full certificate."""
     from perfqr_cad.scan import FULL, QUICK
+    from perfqr_cad.scan.schedule import PATIENCE
 
+    known = request.ground is not None or request.backing_mm is not None
     if request.scan_tilt_deg is None:
-        return QUICK
-    return replace(FULL, tilts_deg=tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg})), backgrounds=())
+        return replace(QUICK, ground_known=known)
+    tilts_deg = tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg}))
+    return replace(FULL, tilts_deg=tilts_deg, frames=PATIENCE, backgrounds=(), ground_known=known)
 
 
 def _look(request: Request) -> Look:

@@ -30,10 +30,10 @@ from perfqr_cad.hosts.mesh import MeshTarget
 from perfqr_cad.hosts.step import ImportedFace
 from perfqr_cad.pattern import Bridge, build
 from perfqr_cad.pattern.drawing.front import front_with_bars
-from perfqr_cad.pipeline import chain
 from perfqr_cad.pipeline.held import ACCEPT_UNREAD, ACCEPT_WEAK, advised, changed
 from perfqr_cad.pipeline.request import SETTINGS, Request
 from perfqr_cad.pipeline.resolve import resolve
+from perfqr_cad.pipeline.source import source
 from perfqr_cad.pipeline.targets import Target, locate
 from perfqr_cad.remedy import Remedy, option
 from perfqr_cad.solid.kernel import occ
@@ -116,7 +116,8 @@ def kernel_that_fails(_: Request) -> None:
 
 def in_no_memory(request: Request) -> None:
     terms = resolve(request, plate=True)
-    pattern = build(chain.source(request, terms).symbol, terms.drawing)
+    symbol = source(request, terms).symbol
+    pattern = build(symbol, terms.drawing)
     site = locate(None, terms, pattern.extent_mm)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(solid_check, "MOST_BYTES", 1.0)
@@ -257,7 +258,7 @@ def made_with(settings: dict[str, Any], remedy: Remedy) -> Request:
 def drawn(request: Request, target: Target | None = None) -> None:
     """The chain up to the place of the code and its caption."""
     terms = resolve(request, plate=target is None)
-    found = chain.source(request, terms)
+    found = source(request, terms)
     pattern = build(found.symbol, terms.drawing, None if found.capture is None else found.capture.art)
     site = locate(target, terms, pattern.extent_mm)
     if terms.caption is not None:
