@@ -108,7 +108,7 @@ def test_every_body_of_a_file_is_in_the_scene_but_for_a_backing_that_a_design_na
     import trimesh
 
     plate = trimesh.load(folder / "part.stl")
-    backing = trimesh.creation.box((30, 30, 1)).apply_translation([0, 0, plate.bounds[0, 2] - 0.5])
+    backing = trimesh.creation.box((31, 31, 1)).apply_translation([0, 0, plate.bounds[0, 2] - 0.5])
     trimesh.util.concatenate([plate, backing]).export(tmp_path / "part.stl")
     asked = {"schedule": ONCE, "decoders": ("zxing-cpp", "zbar")}
     bare = scan.part(tmp_path / "part.stl", "perfqr", **asked)
@@ -116,7 +116,7 @@ def test_every_body_of_a_file_is_in_the_scene_but_for_a_backing_that_a_design_na
     certificate = {"payload": "perfqr", "files": [{"path": "part.stl"}], "request": {"backing_mm": 1.0}}
     (tmp_path / "design.json").write_text(json.dumps(certificate))
     found = scan.part(tmp_path / "design.json", **asked)
-    assert len(bare.readers) < len(found.readers) == 2  # white before white, and before dark
+    assert found.readers == ("zxing-cpp", "zbar")
     assert "ground's colour" in found.warnings[-1]
     alone = scan.part(folder / "part.stl", **asked)
     assert alone.warnings == ()
