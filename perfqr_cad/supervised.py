@@ -15,7 +15,10 @@ from types import FrameType
 from perfqr_cad import scratch
 
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+BAD_INPUT = 2  # exit code of a refusal
 CRASHED = 70  # exit code of a crash in native code; EX_SOFTWARE of sysexits.h
+
+_is_child = False  # whether this process is the one that works for a supervisor
 
 
 def run(work: Callable[[], int]) -> int:
@@ -51,9 +54,19 @@ def run(work: Callable[[], int]) -> int:
     return os.WEXITSTATUS(status)
 
 
+def give_up(line: str, code: int) -> None:
+    """End the program with a last line, from code that lets no exception through; nothing happens where the
+    process is not that of the command, but of a program that uses this package."""
+    if _is_child:
+        print(line, file=sys.stderr, flush=True)
+        os._exit(code)
+
+
 def _work(work: Callable[[], int], parent: int) -> None:
     """The child's life, in a process group of its own: the terminal's Ctrl-C reaches the supervisor alone."""
+    global _is_child
     os.setpgid(0, 0)
+    _is_child = True
     _die_with_parent()
     if os.getppid() != parent:  # it died before it could be watched
         os._exit(1)

@@ -13,18 +13,22 @@ from pathlib import Path
 from types import FrameType, SimpleNamespace
 from typing import TYPE_CHECKING
 
+from perfqr_cad import supervised
 from perfqr_cad.errors import PerfQRError, TemplateError
 from perfqr_cad.pipeline.kinds import Value, shown
 
 if TYPE_CHECKING:
     from perfqr_cad.pipeline.design import Design
 
-TIMEOUT_S = 60.0  # CPU seconds of a template's own code; shipped ones take up to 3, nearly all of it imports
-_TICK_S = 0.25  # CPU seconds between two looks at what is running
+# Seconds that a template's own code may compute, or wait; shipped ones take up to 3, nearly all imports.
+TIMEOUT_S = 60.0
+_TICK_S = 0.25  # between two looks at what is running
+_IDLE = 0.002  # share of the time that code which waits computes; a busy machine leaves others more
+_STRIKES = 8  # times that the end may be swallowed
 
 
 class _TooLong(BaseException):
-    """Not an `Exception`, so that a template which catches those does not go on for ever."""
+    """Not an `Exception`, which templates catch. Where all is caught it comes again at each look."""
 
 
 def run(path: Path, values: Mapping[str, Value], timeout_s: float) -> Design:
@@ -32,9 +36,13 @@ def run(path: Path, values: Mapping[str, Value], timeout_s: float) -> Design:
     from perfqr_cad.pipeline.design import Design
 
     if not timeout_s > 0:
-        raise TemplateError(f"a time limit of {timeout_s:g} s lets no template run: give CPU seconds above 0")
+        raise TemplateError(f"a time limit of {timeout_s:g} s lets no template run: give seconds above 0")
+    too_long = (
+        f"{path.name} computes or waits for {timeout_s:g} s without an end: simplify it, or raise "
+        "--template-timeout"
+    )
     try:
-        with _limited(timeout_s):
+        with _limited(timeout_s, too_long):
             build = runpy.run_path(str(path), run_name=f"perfqr_template_{path.stem}").get("build")
             if build is None:
                 raise TemplateError(f"{path.name} takes its build(p) away: keep it")
@@ -42,9 +50,7 @@ def run(path: Path, values: Mapping[str, Value], timeout_s: float) -> Design:
     except PerfQRError:
         raise
     except _TooLong:
-        raise TemplateError(
-            f"{path.name} ran for {timeout_s:g} s without an end: simplify it, or raise --template-timeout"
-        ) from None
+        raise TemplateError(too_long) from None
     except SystemExit as error:
         raise TemplateError(f"{path.name}{_line(path, error)} ends the program: return a Design") from error
     except Exception as error:
@@ -64,34 +70,56 @@ def _line(path: Path, error: BaseException) -> str:
 
 
 @contextmanager
-def _limited(timeout_s: float) -> Generator[None]:
-    """End the block after so many CPU seconds of this process; those spent inside `make` do not count.
+def _limited(timeout_s: float, too_long: str) -> Generator[None]:
+    """End the block after so many seconds of computing, or of waiting in one go; time inside `make` is free.
 
-    CPU time, so that a busy machine does not change what a template may do. Only the main thread can be
-    interrupted: elsewhere, and on Windows, nothing is limited.
+    A busy machine does not change what a template may do: seconds of the CPU count, and those in which hardly
+    any are used. Code that swallows its end several times ends the program with `too_long`, where it is the
+    command's own. Only the main thread can be interrupted: elsewhere, and on Windows, nothing is limited.
     """
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
         return
-    from perfqr_cad.pipeline import chain
-
-    spent_s, last_s = 0.0, time.process_time()
+    own = _OwnTime()
+    strikes = 0
 
     def look(_: int, frame: FrameType | None) -> None:
-        nonlocal spent_s, last_s
-        now_s = time.process_time()
-        spent_s, last_s = spent_s + (0.0 if _within(frame, chain.__file__) else now_s - last_s), now_s
-        if spent_s > timeout_s:
+        nonlocal strikes
+        own.count(frame)
+        if max(own.computed_s, own.waited_s) > timeout_s:
+            strikes += 1
+            if strikes > _STRIKES:
+                supervised.give_up(f"error: {too_long}", supervised.BAD_INPUT)
             raise _TooLong
 
-    before = signal.signal(signal.SIGPROF, look)
-    signal.siginterrupt(signal.SIGPROF, False)
-    signal.setitimer(signal.ITIMER_PROF, _TICK_S, _TICK_S)
+    before = signal.signal(signal.SIGALRM, look)
+    signal.setitimer(signal.ITIMER_REAL, _TICK_S, _TICK_S)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_PROF, 0)
-        signal.signal(signal.SIGPROF, before)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+class _OwnTime:
+    """Seconds that a template's own code has computed, and has waited since it last computed."""
+
+    def __init__(self) -> None:
+        self.computed_s, self.waited_s = 0.0, 0.0
+        self._cpu_s, self._clock_s = time.process_time(), time.monotonic()
+
+    def count(self, frame: FrameType | None) -> None:
+        """Add what has passed since the last look, while `frame` is run."""
+        from perfqr_cad.pipeline import chain
+
+        cpu_s, clock_s = time.process_time(), time.monotonic()
+        worked_s, passed_s = cpu_s - self._cpu_s, clock_s - self._clock_s
+        self._cpu_s, self._clock_s = cpu_s, clock_s
+        if _within(frame, chain.__file__):
+            self.waited_s = 0.0
+            return
+        self.computed_s += worked_s
+        self.waited_s = self.waited_s + passed_s if worked_s < _IDLE * passed_s else 0.0
 
 
 def _within(frame: FrameType | None, filename: str) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from perfqr_cad import __version__
+from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.export.design_view import DesignView
 
 if TYPE_CHECKING:
@@ -291,6 +292,7 @@ def _solid_check(found: SolidCheck) -> dict[str, Any]:
 
 def _solid(design: Finished) -> dict[str, Any]:
     solid = design.solid
+    changes = colour_changes(solid) if design.request.colour_change else ()
     return {
         "valid": solid.valid,
         "solids": solid.solids,
@@ -299,4 +301,5 @@ def _solid(design: Finished) -> dict[str, Any]:
         "bbox_mm": [list(corner) for corner in solid.bbox_mm],
         "module_mm": design.pattern.module_mm,
         "notes": list(solid.notes),
+        "colour_changes": [change.as_dict() for change in changes],
     }

@@ -35,13 +35,8 @@ class Promise:
 
 def promises(pattern: Pattern, solid: Solid) -> tuple[Promise, ...]:
     """Every promise of a part, kept or not; none is left out."""
-    from perfqr_cad.symbol import readability
-
-    seen = readability(pattern.observed, pattern.symbol)  # anew, from what was sampled on the finished region
     return (
-        _readability(seen),
-        *_blocks(seen),
-        _payload(pattern),
+        *of_code(pattern),
         _pieces(pattern),
         _bodies(solid),
         _watertight(solid),
@@ -50,16 +45,23 @@ def promises(pattern: Pattern, solid: Solid) -> tuple[Promise, ...]:
     )
 
 
+def of_code(pattern: Pattern) -> tuple[Promise, ...]:
+    """The promises that the drawing alone keeps or not: they are asked for before the long steps, too."""
+    from perfqr_cad.symbol import readability
+
+    seen = readability(pattern.observed, pattern.symbol)  # anew, from what was sampled on the finished region
+    return (_readability(seen), *_blocks(seen), _payload(pattern))
+
+
 def require_kept(made: Iterable[Promise]) -> None:
-    """Raises `DesignError` for the first promise that is not kept, with its figure, limit and remedy."""
-    for promise in made:
-        if not promise.kept:
-            raise DesignError(
-                f"the finished part fails its check of {promise.name}: {promise.value}, must be "
-                f"{promise.limit}",
-                "a larger code",
-                "the text itself instead of a picture",
-            )
+    """Raises `DesignError` for promises that are not kept, with their figures and limits."""
+    broken = [f"{one.name} is {one.value}, must be {one.limit}" for one in made if not one.kept]
+    if broken:
+        raise DesignError(
+            f"the part fails its own checks: {'; '.join(broken)}",
+            "another size",
+            "the text itself instead of a picture",
+        )
 
 
 def _readability(seen: Readability) -> Promise:

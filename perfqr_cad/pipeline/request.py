@@ -24,6 +24,7 @@ WRITTEN = ("text", "bytes", *CONTENTS)  # what a code is drawn from
 SOURCES = ("text", "image", *WRITTEN[1:])  # exactly one of them is given
 LOADS = ("load", "pressure", "finger", "own_weight", "handling")  # settings that ask for strength
 AUTO = "auto"
+CUT = ("laser", "waterjet", "knife", "stencil")  # processes that cut sheets
 MOST_CAPTION = 500  # letters that a frame could bear
 
 
@@ -173,7 +174,7 @@ class Request:
         "recessed bars of a finder ring",
         group="Look",
         needs=("finder=recessed",),
-        range=(1, 2),
+        range=(1, 3),
         empty="as reads best",
     )
     bar_height_mm: float | None = setting(
@@ -198,8 +199,27 @@ class Request:
         group="Look",
         choices=("optimal:fewest and least harmful", "paper:Eq. (4)", "mst:Eq. (4) with λ = 0"),
     )
-    nozzle_mm: float = setting(
-        0.4, "width of one printed line or of the kerf", group="Walls", range=(0.01, 10.0)
+    process: str = setting(
+        "fdm",
+        "how the part is made, and so what can be designed",
+        group="Walls",
+        choices=(
+            "fdm:printed from filament",
+            "resin:printed from resin",
+            "laser:cut from a sheet",
+            "waterjet:cut from a sheet",
+            "knife:cut from card or film",
+            "stencil:cut, to paint through",
+        ),
+    )
+    nozzle_mm: float = setting(0.4, "width of one printed line", group="Walls", range=(0.01, 10.0))
+    kerf_mm: float = setting(
+        0.0,
+        "width that the cutter takes away; paths in DXF and SVG files keep half of it off the part,"
+        " 0 leaves that to the cutter's program",
+        group="Walls",
+        needs=tuple(f"process={way}" for way in CUT),
+        range=(0.0, 10.0),
     )
     draft_deg: float | None = setting(
         None,
@@ -396,11 +416,23 @@ class Request:
         needs=(".svg",),
         choices=("filled:a picture", "cut:hairlines in the colours of a cutter"),
     )
+    split_stl: bool = setting(
+        False,
+        "an STL file for each colour: part-backing.stl beside part.stl",
+        group="Files",
+        needs=(".stl",),
+    )
+    colour_change: bool = setting(
+        False,
+        "3MF files change the colour between layers, for one nozzle, not the tool",
+        group="Files",
+        needs=(".3mf",),
+    )
 
     def __post_init__(self) -> None:
         given = [name for name in SOURCES if getattr(self, name) is not None]
         if not given:
-            raise DesignError("nothing to encode: give a text, a picture (--image FILE), --url, --wifi, …")
+            raise DesignError("nothing to encode: give a text, an image, or a content such as url or wifi")
         if len(given) > 1:
             raise DesignError(f"{' and '.join(given)} are given together: give one of them, not both")
         for declared in SETTINGS:

@@ -62,8 +62,5 @@ def contrast_warning(value: float, *, inverted: bool = False) -> tuple[str, ...]
             f"the {lighter} is the lighter one ({value:.0%}): {REFUSE_REVERSED} refuse a code with light and "
             f"dark exchanged, so use the {tone} tone",
         )
-    ground = "lighter" if inverted else "darker"
-    return (
-        f"contrast of material and ground is {value:.0%}, under {LEAST_CONTRAST:.0%}: "
-        f"choose a {ground} ground",
-    )
+    further = "a darker part or a lighter ground" if inverted else "a lighter part or a darker ground"
+    return (f"contrast of material and ground is {value:.0%}, under {LEAST_CONTRAST:.0%}: choose {further}",)

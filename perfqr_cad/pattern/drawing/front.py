@@ -6,6 +6,7 @@ edges cut open and the two sides of the bar put in: nothing is traced or united 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -121,10 +122,16 @@ class _Outline:
         if isinstance(segment, Line):
             self._ends[:, at] = segment.start, segment.end
 
+    def _holds(self, at: int, *points: Point) -> bool:
+        """Whether a straight edge reaches as far as these points on its line."""
+        start, end = self._ends[:, at]
+        along = (np.array(points) - start) @ (end - start) / math.dist(start, end)
+        return bool((along >= -ON_EDGE_MM).all() and (along <= math.dist(start, end) + ON_EDGE_MM).all())
+
     def _opened(self, middle: Point, first: Point, second: Point) -> tuple[int, int]:
         """The edge around a point cut away between two others: its part before and its part after."""
         at = edge_under(middle, *self._ends)
-        if at is None:
+        if at is None or not self._holds(at, first, second):
             raise DesignError(
                 f"a recessed bar ends at ({middle[0]:.2f}, {middle[1]:.2f}) mm on no straight edge",
                 Remedy(finder="panel"),

@@ -28,15 +28,31 @@ def filleted(region: Region, radius_mm: float) -> Region:
     """Every re-entrant corner of the material between two lines rounded by an arc of at most the radius.
 
     Fillets only add material, so what was one piece stays one. An edge too short for its two fillets gets
-    smaller ones.
+    smaller ones, and so does a hole whose fillets would run into each other.
     """
     if radius_mm <= 0:
         return region
     straight = [loop for loop in region.loops if all(isinstance(s, Line) for s in loop.segments)]
-    rings = Boundaries.of([np.array([segment.start for segment in loop.segments]) for loop in straight])
-    rounded = dict(zip(map(id, straight), _filleted(rings, radius_mm), strict=True))
+    rounded = dict(zip(map(id, straight), _simple(straight, radius_mm), strict=True))
     outer, *holes = (rounded.get(id(loop), loop) for loop in region.loops)
     return Region(outer, tuple(holes))
+
+
+def _simple(straight: Sequence[Loop], radius_mm: float) -> list[Loop]:
+    """The loops with their corners rounded; those that cross themselves then, with half the radius."""
+    import shapely
+
+    made = _filleted(
+        Boundaries.of([np.array([segment.start for segment in loop.segments]) for loop in straight]),
+        radius_mm,
+    )
+    if radius_mm < LEAST_EDGE_MM / 2:  # as they were
+        return made
+    crossing = [k for k, loop in enumerate(made) if not shapely.Polygon(loop.flatten()).is_valid]
+    if crossing:
+        for k, loop in zip(crossing, _simple([straight[k] for k in crossing], radius_mm / 2), strict=True):
+            made[k] = loop
+    return made
 
 
 def _filleted(rings: Boundaries, radius_mm: float) -> list[Loop]:

@@ -103,7 +103,9 @@ def triangulate_all(faces: Sequence[Face], size_mm: float) -> list[tuple[Floats,
         gmsh.model.mesh.generate(2)
         meshes = [_triangles(gmsh, surface) for surface in surfaces]
     for face, (vertices, triangles) in zip(faces, meshes, strict=True):
-        wanted = sum(_area(loop) for loop in face.loops)
+        outer, *holes = face.loops
+        # A sliver of a hole may have turned over as its corners were put on the grid.
+        wanted = abs(_area(outer)) - sum(abs(_area(hole)) for hole in holes)
         meshed = float(np.abs(twice_areas(vertices, triangles)).sum()) / 2
         if abs(meshed - wanted) > 1e-6 * wanted:
             x, y = face.loops[0][0]

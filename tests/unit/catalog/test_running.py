@@ -1,5 +1,7 @@
 """A template is somebody's code: whatever it does ends in a design or in one line."""
 
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -94,11 +96,51 @@ def test_literals_that_are_no_values_are_the_templates_own(tmp_path: Path) -> No
         "while True: pass",
         "while True:\n        try: p.x\n        except Exception: pass",
         "[0 for _ in iter(int, 1)]",
+        "import time; time.sleep(60)",
+        "import threading; threading.Event().wait()",
+        "import subprocess; subprocess.run(['sleep', '60'])",
+        "import select; select.select([], [], [])",
     ],
 )
 def test_a_loop_without_an_end_is_ended(tmp_path: Path, loop: str) -> None:
-    with pytest.raises(TemplateError, match=r"ran for 0.5 s without an end: .*--template-timeout"):
+    with pytest.raises(TemplateError, match=r"waits for 0.5 s without an end: .*--template-timeout"):
         built(tmp_path, loop, timeout_s=0.5)
+
+
+def test_a_wait_between_work_is_none(tmp_path: Path) -> None:
+    body = "import time\n    for _ in range(4): time.sleep(0.3); sum(range(3_000_000))\n    return 3"
+    with pytest.raises(TemplateError, match="returns 3"):
+        built(tmp_path, body, timeout_s=0.9)
+
+
+SWALLOWING = [
+    "while True:\n        try: p.size\n        except: pass",
+    "import contextlib\n    while True:\n        with contextlib.suppress(BaseException): p.size",
+    "while True:\n        try:\n            while True: pass\n        finally: continue",
+]
+
+
+@pytest.mark.parametrize("loop", SWALLOWING)
+def test_an_end_that_is_swallowed_ends_the_command(tmp_path: Path, loop: str) -> None:
+    (tmp_path / "tag.py").write_text(f"size = 0\ndef build(p):\n    {loop}\n")
+    make = [
+        sys.executable,
+        "-m",
+        "perfqr_cad",
+        "make",
+        "-t",
+        "tag.py",
+        "-o",
+        "part/",
+        "--template-timeout",
+        "0.5",
+    ]
+    done = subprocess.run(make, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.splitlines() == [
+        "error: tag.py computes or waits for 0.5 s without an end: simplify it, or raise --template-timeout"
+    ]
+    assert [path.name for path in tmp_path.iterdir()] == ["tag.py"]
 
 
 def test_what_make_takes_is_not_the_templates_own_time(

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from shapely import box, union_all
 
+from perfqr_cad.capture import Art
 from perfqr_cad.errors import DesignError
 from perfqr_cad.pattern import Bridge, PatternSpec, build
 from perfqr_cad.pattern.drawing.contours import web_pieces
@@ -66,3 +67,26 @@ def test_a_thin_web_that_alone_holds_a_piece_is_found():
 def test_absurd_settings_are_refused(settings):
     with pytest.raises(DesignError):
         PatternSpec(**settings)
+
+
+@pytest.mark.parametrize("finder", ["panel", "recessed", "diagonal"])
+def test_fillets_of_any_radius_leave_simple_outlines(finder):
+    for fillet_mm in (0.6, 2.0, 5.0):
+        try:
+            pattern = build(encode("héllo"), PatternSpec(size_mm=40, fillet_mm=fillet_mm, finder=finder))
+        except DesignError as refusal:
+            assert refusal.remedies[0].changes == {"finder": "panel"}  # noqa: PT017  bars need straight edges
+        else:
+            assert all(region.polygon().is_valid for region in (pattern.region, *pattern.front))
+
+
+@pytest.mark.parametrize("kind", ["plain", "halftone", "freeform"])
+def test_a_style_draws_plain_modules_anew(kind):
+    symbol = encode("style", version=1)
+    art = Art(kind, 1, symbol.matrix.dark)
+    spec = PatternSpec(style="dots")
+    if kind == "plain":
+        assert build(symbol, spec, art).region == build(symbol, spec).region
+        return
+    with pytest.raises(DesignError, match=f"style dots draws plain modules, and the picture has {kind} art"):
+        build(symbol, spec, art)

@@ -169,5 +169,5 @@ def test_a_broken_promise_is_refused(design: Design, broken: str) -> None:
             solid = replace(solid, volume_mm3=solid.volume_mm3 * 1.01)
     made = promises(pattern, solid)
     assert broken in {promise.name for promise in made if not promise.kept}
-    with pytest.raises(DesignError, match="the finished part fails its check of"):
+    with pytest.raises(DesignError, match="the part fails its own checks: "):
         require_kept(made)

@@ -13,6 +13,7 @@ from perfqr_cad.structure import Case, Finger, Load, Part, Pressure, StressField
 from perfqr_cad.structure.analysis import prepare
 from perfqr_cad.structure.elements import mindlin_plate as plate
 from perfqr_cad.structure.elements.assembly import System
+from perfqr_cad.structure.mesh.gmsh_mesher import Face, triangulate_all, twice_areas
 from perfqr_cad.structure.mesh.light_region import ThinPart, thin_parts
 from perfqr_cad.structure.mesh.seeding import MeshSize
 from perfqr_cad.structure.mesh.tile_meshes import TileMeshes
@@ -139,3 +140,14 @@ def test_recessed_bars_are_thin_where_the_wall_has_room_for_their_slot() -> None
     assert [bar.thickness_mm for bar in bars] == [0.6] * len(pattern.recessed) != []
     assert all(pattern.polygon.buffer(1e-6).covers(bar.polygon) for bar in bars)
     assert thin_parts(pattern, 0.9) == ()
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_hole_that_turned_over_on_the_grid_is_a_hole(sense: int) -> None:
+    """The corners of a sliver are put on a grid, by which it may turn over; a mesh has no sense."""
+    outer = np.array([(0.0, 0.0), (1.2, 0.0), (1.2, 1.2), (0.0, 1.2)])
+    sliver = np.array([(0.45, 0.05), (0.475, 0.0001), (0.4054, 0.1446)])[::sense]
+    vertices, triangles = triangulate_all([Face((outer, sliver))], 0.5)[0]
+    assert abs(twice_areas(vertices, triangles)).sum() / 2 == pytest.approx(
+        1.44 - Polygon(sliver).area, rel=1e-9
+    )
