@@ -22,8 +22,8 @@ LONG_S = 5.0  # a run as long as this needs no repeat
 
 
 def run() -> Table:
-    """Seconds of wall time and of this process's CPU, the targets for two idle cores; and, as remarks, what each
-    engine reads before each ground, and the grade."""
+    """Seconds of wall time and of this process's CPU, the targets for two idle cores; and, as remarks, what
+    each engine reads before each ground, and the grade."""
     pattern = build(encode(TEXT, version=5), PatternSpec(size_mm=60.0))
     placement = Plane(2.0)
     triangles = build_solid(pattern, placement).triangles
