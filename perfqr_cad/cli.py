@@ -19,6 +19,7 @@ from perfqr_cad import __version__, scratch, setting_options, supervised
 from perfqr_cad.errors import DesignError, NotHeldError, PerfQRError
 
 if TYPE_CHECKING:
+    from perfqr_cad.batch.making import Outcome
     from perfqr_cad.table import Table
 
 app = typer.Typer(
@@ -29,8 +30,20 @@ app = typer.Typer(
     rich_markup_mode=None,  # rich help costs 0.15 s of imports at every start
 )
 
-BENCHMARKS = ("symbol", "capture", "pattern", "finder", "margin", "structure", "solid", "scan", "spine")
-NOT_HELD, INTERRUPTED = 3, 130  # exit codes; 130 is the shell's own for an interrupt
+BENCHMARKS = (
+    "symbol",
+    "capture",
+    "pattern",
+    "freedom",
+    "finder",
+    "margin",
+    "structure",
+    "solid",
+    "scan",
+    "spine",
+)
+# Exit codes; 130 is the shell's own for an interrupt.
+NOT_HELD, ROWS_MISSING, INTERRUPTED = 3, 4, 130
 EXPERIMENTS = ("table1", "table2", "fig9", "fig11", "fig14", "colours", "materials", "limits", "bunny")
 
 
@@ -86,6 +99,52 @@ def make(
         _print_json(design.certificate())
     else:
         typer.echo(design.summary())
+
+
+@app.command(cls=setting_options.Grouped)
+@setting_options.with_settings
+def batch(
+    context: typer.Context,
+    table: Annotated[Path, typer.Argument(help="CSV: a row for each part, a column for each setting.")],
+    output: Annotated[Path, _option("-o", "--output", help="Folder of all files.")],
+    template: Annotated[str, _option("-t", "--template", help="A template or a .py file.")] = "plate",
+    define: Annotated[list[str] | None, _option("-D", help="A parameter for all rows: name=value.")] = None,
+    pattern: Annotated[
+        str | None, _option("--name", help="Names of files: {column} and {row}; else the column name.")
+    ] = None,
+    files: Annotated[str, _option("--files", help="Formats for each row, with commas between.")] = "stl,json",
+    lines: Annotated[bool, _option("--lines", help="The table is a plain list: a text a line.")] = False,
+    jobs: Annotated[int, _option("--jobs", help="Processes that work at the same time.")] = 1,
+    scheduler: Annotated[
+        str | None, _option("--scheduler", help="Address of a Dask scheduler whose workers do it.")
+    ] = None,
+    template_timeout: Annotated[
+        float, _option("--template-timeout", help="CPU seconds that a template's own code may take.")
+    ] = 60.0,
+    as_json: _Json = False,
+    **_: Any,
+) -> None:
+    """Make a part of every row of a table. Rows that are there already are kept; options hold for all rows.
+
+    In the texts of options, {column} stands for the row's cell.
+    """
+    from perfqr_cad import batch as batches
+    from perfqr_cad import catalog
+
+    shared = setting_options.joined(
+        catalog.read_definitions(define or []), setting_options.given(context.params, None)
+    )
+    plan = batches.Plan(
+        catalog.find(template), shared, output, pattern, batches.suffixes(files), template_timeout
+    )
+    rows = batches.read_lines(table) if lines else batches.read_table(table)
+    made = batches.run(plan, rows, jobs=jobs, scheduler=scheduler, told=_tell_row)
+    if as_json:
+        _print_json([outcome.as_dict() for outcome in made.outcomes])
+    else:
+        typer.echo(f"{made.words}: {made.path}")
+    if not made.complete:
+        raise typer.Exit(ROWS_MISSING)
 
 
 @app.command()
@@ -236,6 +295,12 @@ def _progress() -> Generator[None]:
 
     with Console(stderr=True).status("starting") as status, progress.listening(status.update):
         yield
+
+
+def _tell_row(outcome: Outcome) -> None:
+    """A line on standard error for each finished row."""
+    told = outcome.note or outcome.readers
+    typer.echo(f"row {outcome.number} {outcome.name}: {outcome.status}{', ' if told else ''}{told}", err=True)
 
 
 def _chosen(names: list[str] | None, known: tuple[str, ...]) -> tuple[str, ...]:

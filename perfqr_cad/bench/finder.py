@@ -17,7 +17,8 @@ from perfqr_cad.scan import Look, View
 from perfqr_cad.scan.camera.preview import plate_scene
 from perfqr_cad.scan.decoding.decoders import CORE, accepted
 from perfqr_cad.scan.decoding.panel import shared
-from perfqr_cad.scan.proof import PATIENCE, reads
+from perfqr_cad.scan.filming import reads
+from perfqr_cad.scan.schedule import PATIENCE
 from perfqr_cad.symbol import payload_of
 from perfqr_cad.table import Table
 

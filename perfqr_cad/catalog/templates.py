@@ -61,16 +61,21 @@ class Template:
         Raises `TemplateError` for a value that is none of its parameter's, and for an unknown name with the
         nearest one that is known.
         """
-        known = {p.name: p for p in self.parameters}
         result = {p.name: p.default for p in self.parameters}
         for name, given in overrides.items():
-            if name not in known:
-                raise TemplateError(f"template {self.name!r} does not take {shown(name)}{self._near(name)}")
+            declared = self.parameter(name)
             try:
-                result[name] = known[name].read(given)
+                result[name] = declared.read(given)
             except DesignError as error:
                 raise TemplateError(str(error)) from error
         return result
+
+    def parameter(self, name: str) -> Parameter:
+        """The parameter of that name. Raises `TemplateError` with the nearest one where there is none."""
+        for declared in self.parameters:
+            if declared.name == name:
+                return declared
+        raise TemplateError(f"template {self.name!r} does not take {shown(name)}{self._near(name)}")
 
     def build(self, overrides: Mapping[str, Any] | None = None, *, timeout_s: float = TIMEOUT_S) -> Design:
         """Run the template's `build(p)` and return its `Design`.

@@ -23,6 +23,7 @@ from perfqr_cad.export.design_view import DesignView
 from perfqr_cad.export.omissions import leaves_out, notes
 from perfqr_cad.export.options import DEFAULT, Options
 from perfqr_cad.export.staging import check_writable, staged
+from perfqr_cad.export.stl import further
 from perfqr_cad.progress import tell
 
 # Suffix -> module of this package; loaded on use, since several pull in a heavy library.
@@ -136,11 +137,21 @@ def _write(design: DesignView, targets: Sequence[Path], options: Options) -> tup
         stages = {folder: stack.enter_context(staged(folder)) for folder in folders}
         records: list[FileRecord] = []
         for target in parts:
-            tell(f"writing {target.name}")
-            module, staging = modules[target], stages[target.parent] / target.name
-            import_module(f"{__name__}.{module}").write(design, staging, **options.of(module))
-            remarks = {"leaves_out": leaves_out(design, module), "notes": notes(design, module)}
-            records.append(replace(_record(target, staging), **remarks))
+            module = modules[target]
+            remarks = {
+                "leaves_out": leaves_out(design, module, options),
+                "notes": notes(design, module, options),
+            }
+            written: dict[Path, dict[str, Any]] = {target: {}}
+            if module == "stl" and options.split_stl:
+                written |= {path: {"body": body} for path, body in further(design, target).items()}
+            for path, chosen in written.items():
+                if path != target and path in modules:
+                    raise DesignError(f"{path} would be written twice: name one of the two otherwise")
+                tell(f"writing {path.name}")
+                staging = stages[path.parent] / path.name
+                import_module(f"{__name__}.{module}").write(design, staging, **options.of(module), **chosen)
+                records.append(replace(_record(path, staging), **remarks))
         for target in certificates:
             staging = stages[target.parent] / target.name
             files = [_seen_from(target.parent, record).as_dict() for record in records]

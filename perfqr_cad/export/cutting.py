@@ -1,18 +1,24 @@
 """What a cutter is given of a design: closed loops in the plane, mm, by what is done along them.
 
 Cutters know one thickness. Bars behind the face are cut like all other material, so that the sheet stays one
-piece, and holes go straight through; `notes` says where the part itself is made otherwise.
+piece, and holes go straight through; `notes` says where the part itself is made otherwise. A part that is
+made for a cutter (`--process laser`) is what is cut.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
+from perfqr_cad.errors import DesignError
 from perfqr_cad.export.design_view import DesignView, face
-from perfqr_cad.geometry import Loop, Region
+from perfqr_cad.geometry import Circle, Loop, Region
 from perfqr_cad.geometry.mirror import mirrored
+from perfqr_cad.remedy import Remedy
 
+PATH_TOL_MM = 0.002  # of a path beside a curve, which is one of chords
+SHARPEST = 5.0  # mitre limit of a path around a corner, in kerfs from it
 SAME_VOLUME = 1e-6  # relative: a part of this volume is the plain extrusion of its outline
 
 
@@ -33,11 +39,47 @@ class Cut:
         return (*self.holes, self.outline)
 
 
-def cut(design: DesignView) -> Cut:
-    """The loops of the whole material, recessed bars included, and of the caption."""
+def cut(design: DesignView, kerf_mm: float = 0.0) -> Cut:
+    """The loops of the whole material, recessed bars included, and of the caption.
+
+    With a kerf the paths of what is cut through run half of it beside the part. Raises `DesignError` for a
+    hole that a kerf so wide cannot make.
+    """
     region = face(design).region
     letters = tuple(loop for letter in engraving(design) for loop in (*letter.holes, letter.outer))
-    return Cut(letters, region.holes, region.outer)
+    if not kerf_mm:
+        return Cut(letters, region.holes, region.outer)
+    (outline,) = beside([region.outer], kerf_mm / 2)
+    return Cut(letters, beside(region.holes, -kerf_mm / 2), outline)
+
+
+def beside(loops: Iterable[Loop], by_mm: float) -> tuple[Loop, ...]:
+    """Loops so far outside others, or inside them where it is less than 0; round where they are circles.
+
+    >>> hole = Loop.from_points([(0, 0), (2, 0), (2, 2), (0, 2)]).oriented(ccw=False)
+    >>> round(beside([hole], -0.5)[0].area, 9)
+    -1.0
+    """
+    return tuple(_beside(loop, by_mm) for loop in loops)
+
+
+def _beside(loop: Loop, by_mm: float) -> Loop:
+    import shapely
+
+    match loop.segments:
+        case (Circle(centre, radius, ccw),) if radius + by_mm > 0:
+            return Loop((Circle(centre, radius + by_mm, ccw),))
+        case _:
+            flat = shapely.Polygon(loop.flatten(PATH_TOL_MM))
+            moved = flat.buffer(by_mm, join_style="mitre", mitre_limit=SHARPEST).simplify(PATH_TOL_MM)
+    if not isinstance(moved, shapely.Polygon) or moved.is_empty:
+        x, y = flat.centroid.x, flat.centroid.y
+        raise DesignError(
+            f"the hole at ({x:.1f}, {y:.1f}) is narrower than a kerf of {2 * abs(by_mm):g} mm",
+            Remedy(kerf_mm=None),
+            "a larger part",
+        )
+    return Loop.from_points(shapely.get_coordinates(moved.exterior)[:-1]).oriented(ccw=loop.area > 0)
 
 
 def engraving(design: DesignView) -> tuple[Region, ...]:

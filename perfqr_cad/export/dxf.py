@@ -37,13 +37,20 @@ ARC_TOL_MM = 0.002  # a fiftieth of a narrow laser's kerf
 RISE_MM = 0.05
 
 
-def write(design: DesignView, path: Path, *, version: DxfVersion = "r2000", bridges: bool = False) -> None:
+def write(
+    design: DesignView,
+    path: Path,
+    *,
+    version: DxfVersion = "r2000",
+    bridges: bool = False,
+    kerf_mm: float = 0.0,
+) -> None:
     """Write what to engrave, the holes and, last, the outline, each on a layer of its own.
 
     `bridges` adds where material was laid, for the eye: lines on a layer that is frozen and not plotted.
-    R12 has no unit; its numbers are millimetres all the same.
+    R12 has no unit; its numbers are millimetres all the same. Paths keep half of a kerf off the part.
     """
-    work = cut(design)
+    work = cut(design, kerf_mm)
     with _without_clock():
         document = _document(version, work.outline)
         for name, loops in ((ENGRAVE, work.engrave), (HOLES, work.holes), (OUTLINE, (work.outline,))):

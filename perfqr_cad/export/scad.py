@@ -1,12 +1,13 @@
-"""OpenSCAD source: the outline as a polygon with holes, raised to the thickness; parameters on top.
+"""OpenSCAD source: a module `perforated_qr` with its parameters on top, as values for the customizer.
 
-A part that is no plain extrusion (curved, flared, carved into another body) is written as a polyhedron.
-Letters and a backing are in either.
+The outline is a polygon with holes, raised to the thickness. A part that is no plain extrusion (curved,
+flared, carved into another body) is a polyhedron. Letters and a backing are in either.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,15 +26,19 @@ GREATEST_SCALE = 4  # of the customizer's range; never below 1, where webs would
 ROW = 6  # entries on a line
 BACKING = "backing"  # name of the one body behind that is an extrusion too
 
-PLAIN = """linear_extrude(height = thickness, convexity = 10) pattern();
+MODULE = "perforated_qr"
+
+PLAIN = """    color({colour}) linear_extrude(height = thickness, convexity = 10) pattern(size);
 """
-LETTERED = """difference() {
-    union() {
-        linear_extrude(height = thickness, convexity = 10) pattern();
-        if (relief > 0) translate([0, 0, thickness]) linear_extrude(height = relief) letters();
-    }
-    if (relief < 0) translate([0, 0, thickness + relief]) linear_extrude(height = 1 - relief) letters();
-}
+LETTERED = """    color({colour}) difference() {{
+        union() {{
+            linear_extrude(height = thickness, convexity = 10) pattern(size);
+            if (relief > 0)
+                translate([0, 0, thickness]) linear_extrude(height = relief) letters(size);
+        }}
+        if (relief < 0)
+            translate([0, 0, thickness + relief]) linear_extrude(height = 1 - relief) letters(size);
+    }}
 """
 
 
@@ -48,30 +53,72 @@ def write(design: DesignView, path: Path) -> None:
 def _extrusion(design: DesignView) -> str:
     loops = design.pattern.region.loops
     width = float(np.ptp(loops[0].flatten()[:, 0]))
-    backing_mm, gap_mm, colour = _backing(design)
+    backing_mm, gap_mm, behind = _backing(design)
     letters = [loop for letter in engraving(design) for loop in letter.loops]
-    relief = ""
+    settings = [
+        _width(width),
+        _thickness(design.placement.thickness_mm),
+        _Setting(
+            "backing", backing_mm, "Thickness of a closed plate behind the part, mm; 0 for none", "0:0.1:10"
+        ),
+        _Setting("gap", gap_mm, "Gap before that plate, mm", "0:0.1:10"),
+    ]
     if letters:
-        relief = f"""// How far the letters stand out of the part, mm; below 0 they are engraved
-relief = {design.solid.relief_mm:.9g}; // [-10:0.1:10]
+        out = "How far the letters stand out of the part, mm; below 0 they are engraved"
+        settings.insert(2, _Setting("relief", design.solid.relief_mm, out, "-10:0.1:10"))
+    body = (LETTERED if letters else PLAIN).format(colour=_colour(design.solid))
+    body += f"""    if (backing > 0)
+        color({behind}) translate([0, 0, -gap - backing]) linear_extrude(height = backing) plate(size);
 """
-    return f"""// Width of the part, mm
-size = {width:.9g}; // [{width:.9g}:1:{width * GREATEST_SCALE:.9g}]
-// Thickness of the part, mm
-thickness = {design.placement.thickness_mm:.9g}; // [0.2:0.1:20]
-{relief}// Thickness of a closed plate behind the part, mm; 0 for none
-backing = {backing_mm:.9g}; // [0:0.1:10]
-// Gap before that plate, mm
-gap = {gap_mm:.9g}; // [0:0.1:10]
+    drawings = [_polygon("pattern", loops, width), _polygon("plate", (loops[0], *_mounts(design)), width)]
+    drawings += [_polygon("letters", letters, width)] if letters else []
+    return _source(settings, body, drawings)
+
+
+@dataclass(frozen=True)
+class _Setting:
+    """A value of the customizer, and parameter of the module."""
+
+    name: str
+    value: float | bool
+    meaning: str
+    range: str = ""
+
+    @property
+    def text(self) -> str:
+        """The value as OpenSCAD writes it."""
+        return str(self.value).lower() if isinstance(self.value, bool) else f"{self.value:.9g}"
+
+    @property
+    def line(self) -> str:
+        """Its line for the customizer."""
+        return f"// {self.meaning}\n{self.name} = {self.text};{f' // [{self.range}]' if self.range else ''}\n"
+
+
+def _width(width: float) -> _Setting:
+    most = f"{width:.9g}:1:{width * GREATEST_SCALE:.9g}"
+    return _Setting("size", width, "Width of the part, mm", most)
+
+
+def _thickness(thickness_mm: float) -> _Setting:
+    return _Setting("thickness", thickness_mm, "Thickness of the part, mm", "0.2:0.1:20")
+
+
+def _source(settings: Sequence[_Setting], body: str, drawings: Sequence[str]) -> str:
+    """Values for the customizer, the part made of them, the module that makes it, and what that draws."""
+    names = ", ".join(setting.name for setting in settings)
+    defaults = ", ".join(f"{setting.name} = {setting.text}" for setting in settings)
+    lines = "".join(setting.line for setting in settings)
+    return f"""{lines}
+{MODULE}({names});
+
+// The part about the middle of the code, its back at z = 0. In other files: use <this file>, then
+// {MODULE}(size = ...);
+module {MODULE}({defaults}) {{
+{body}}}
 
 /* [Hidden] */
-drawn_size = {width:.9g};
-{_polygon("pattern", loops)}
-{_polygon("plate", (loops[0], *_mounts(design)))}
-{_polygon("letters", letters) if letters else ""}
-color({_colour(design.solid)}) {LETTERED if letters else PLAIN}
-if (backing > 0) color({colour}) translate([0, 0, -gap - backing]) linear_extrude(height = backing) plate();
-"""
+""" + "\n".join(drawings)
 
 
 def _backing(design: DesignView) -> tuple[float, float, str]:
@@ -90,34 +137,36 @@ def _mounts(design: DesignView) -> list[Loop]:
     return [Loop((hole.circle,)) for hole in pattern.spec.surround.all_holes(pattern.size_mm)]
 
 
-def _polygon(name: str, loops: Iterable[Loop]) -> str:
-    """A module that draws loops, the outline first, then what is open."""
+def _polygon(name: str, loops: Iterable[Loop], width: float) -> str:
+    """A module that draws loops of a part so wide, the outline first, then what is open, in another size."""
     flat = [loop.flatten(CURVE_TOL_MM).tolist() for loop in loops]
     ends = np.cumsum([0, *map(len, flat)]).tolist()
     paths = (str(list(range(*span))).replace(" ", "") for span in pairwise(ends))
     return f"""{name}_points = {_rows(_point(p) for loop in flat for p in loop)};
 {name}_paths = {_rows(paths)};
 
-module {name}() {{
-    scale(size / drawn_size) polygon({name}_points, {name}_paths, convexity = 10);
+module {name}(size = {width:.9g}) {{
+    scale(size / {width:.9g}) polygon({name}_points, {name}_paths, convexity = 10);
 }}
 """
 
 
 def _polyhedra(design: DesignView) -> str:
+    """A flat part in any size and thickness, another in any size."""
     extras = {f"behind_{k}": extra for k, extra in enumerate(design.solid.extras)}
-    bodies = "\n".join(_polyhedron(name, body) for name, body in {"part": design.solid, **extras}.items())
-    shown = "// Whether the plate behind the part is there\nbacking = true;\n" if extras else ""
-    behind = "".join(
-        f"if (backing) color({_colour(body)}) scale(factor) {name}();\n" for name, body in extras.items()
-    )
-    return f"""// Scale of the part
-factor = 1; // [1:0.05:{GREATEST_SCALE}]
-{shown}
-/* [Hidden] */
-{bodies}
-color({_colour(design.solid)}) scale(factor) part();
-{behind}"""
+    (left, _, _), (right, _, _) = design.solid.bbox_mm
+    width, thickness_mm = right - left, design.placement.thickness_mm
+    settings, factor = [_width(width)], f"size / {width:.9g}"
+    if design.placement.is_flat and not design.solid.is_carved:
+        settings.append(_thickness(thickness_mm))
+        factor = f"[{factor}, {factor}, thickness / {thickness_mm:.9g}]"
+    if extras:
+        settings.append(_Setting("backing", True, "Whether the plate behind the part is there"))
+    body = f"    color({_colour(design.solid)}) scale({factor}) part();\n"
+    for name, extra in extras.items():
+        body += f"    if (backing) color({_colour(extra)}) scale({factor}) {name}();\n"
+    bodies = {"part": design.solid, **extras}
+    return _source(settings, body, [_polyhedron(name, body) for name, body in bodies.items()])
 
 
 def _polyhedron(name: str, body: Solid) -> str:

@@ -23,9 +23,10 @@ HAIRLINE_MM = 0.01
 CUT_COLOUR, ENGRAVE_COLOUR = "#ff0000", "#0000ff"
 
 
-def write(design: DesignView, path: Path, *, variant: SvgVariant = "filled") -> None:
-    """Write the reading face: as a filled shape, or as hairlines that a cutter follows."""
-    path.write_text(hairlines(design) if variant == "cut" else drawing(design), "utf-8")
+def write(design: DesignView, path: Path, *, variant: SvgVariant = "filled", kerf_mm: float = 0.0) -> None:
+    """Write the reading face: as a filled shape, or as hairlines that a cutter follows, half a kerf beside
+    it."""
+    path.write_text(hairlines(design, kerf_mm) if variant == "cut" else drawing(design), "utf-8")
 
 
 def drawing(design: DesignView, *, bridges: bool = False) -> str:
@@ -34,6 +35,7 @@ def drawing(design: DesignView, *, bridges: bool = False) -> str:
     bars = "".join(_bar(bridge) for bridge in face(design).bridges) if bridges else ""
     return _page(
         design,
+        design.pattern.region.outer,
         f'<path class="part" fill="{MATERIAL}" fill-rule="evenodd" '
         f'd="{path_data(face(design).region.loops)}"/>\n'
         + _group("engrave", f'fill="{LETTERS}" fill-rule="evenodd"', letters)
@@ -41,21 +43,22 @@ def drawing(design: DesignView, *, bridges: bool = False) -> str:
     )
 
 
-def hairlines(design: DesignView) -> str:
+def hairlines(design: DesignView, kerf_mm: float = 0.0) -> str:
     """A path for every loop, what is inside first: letters to engrave, holes, and last the outline."""
-    work = cut(design)
+    work = cut(design, kerf_mm)
     letters, through = ("".join(_path([loop]) for loop in loops) for loops in (work.engrave, work.through))
     line = f'fill="none" stroke-width="{HAIRLINE_MM:g}"'
     return _page(
         design,
+        work.outline,
         _group("engrave", f'{line} stroke="{ENGRAVE_COLOUR}"', letters)
         + _group("cut", f'{line} stroke="{CUT_COLOUR}"', through),
     )
 
 
-def _page(design: DesignView, content: str) -> str:
-    """A document as large as the part."""
-    corners = design.pattern.region.outer.flatten()
+def _page(design: DesignView, outline: Loop, content: str) -> str:
+    """A document as large as the part, or as the path around it."""
+    corners = outline.flatten()
     (left, low), (right, high) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     width, height = _n(right - left), _n(high - low)
     return (

@@ -16,7 +16,8 @@ Tone = Literal["normal", "inverted"]
 Contour = Literal["smooth", "exact"]
 CHOICES = {"style": Style, "finder": FinderStrategy, "objective": Objective, "tone": Tone, "contour": Contour}
 
-BARS = (1, 2)  # of a finder ring. More cut the dark ring in pieces: OpenCV then finds no corners
+ON_TWO_SIDES = 3  # bars of a finder ring: two by both ends of one side and one on another side
+BARS = (1, 2, ON_TWO_SIDES)  # more cut the dark ring in pieces: OpenCV then finds no corners
 LINES_PER_WEB = 2  # a web of two extrusion lines holds; one line alone tears along its seam
 GREATEST_SIZE_MM = 2000.0  # beyond any printer or cutter this package speaks to
 
@@ -33,8 +34,8 @@ class PatternSpec:
     finder         bars across the dark rings: `panel` one by the corner, flush with the face; `diagonal` the
                    paper's four at 45°; `recessed` some by the corners, behind the face, and on the rings
                    that readers trace at the end of a slot that is pinched
-    bars           recessed bars of a finder ring, 1 or 2. Two lie by both ends of one side, or are one of
-                   twice the width in a slot that is pinched; they bear more, and cost some reads
+    bars           recessed bars of a finder ring. 1; 2 by both ends of one side, or one of twice the width in
+                   a slot that is pinched; 3 on two sides, two in pinched slots on the lower left one
     bar_height_mm  height of a recessed bar above the back of the part
     bar_width_mm   width of recessed bars; None: wide ones on finders, the least web on alignment patterns.
                    Less than that web, down to a nozzle line, in pinched slots alone: it is then the only
@@ -54,7 +55,7 @@ class PatternSpec:
     style: Style = "square"
     fillet_mm: float | None = None
     finder: FinderStrategy = "recessed"
-    bars: int = 2
+    bars: int = ON_TWO_SIDES
     bar_height_mm: float = 0.4
     bar_width_mm: float | None = None
     objective: Objective = "optimal"
@@ -73,7 +74,7 @@ class PatternSpec:
             if (value := getattr(self, name)) is not None:
                 _positive(name, value)
         if self.bars not in BARS:
-            raise DesignError(f"bars = {self.bars} a finder ring is outside 1 to 2: use 1 or 2")
+            raise DesignError(f"bars = {self.bars} a finder ring is outside 1 to 3: use 1, 2 or 3")
         size = self.size_mm or 0.0
         if size > GREATEST_SIZE_MM:
             raise DesignError(f"size {size:g} mm is over {GREATEST_SIZE_MM:g} mm: use a smaller one")

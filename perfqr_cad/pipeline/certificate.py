@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from perfqr_cad import __version__
+from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.export.design_view import DesignView
 
 if TYPE_CHECKING:
@@ -108,6 +109,10 @@ def summary(design: Finished) -> str:
         f"{'valid' if solid.valid else 'NOT VALID'}",
         f"scan      read by {readers}",
     ]
+    lines += [f"grounds   {design.scan.ground_words}"] if design.scan.grounds else []
+    if (likeness := design.scan.likeness) is not None:
+        lines += [f"art       {likeness.words(design.scan.readers)}"]
+    lines += [] if design.scan.grade is None else [f"grade     {design.scan.grade.words}"]
     lines += [f"note      {note}" for note in (*solid.notes, *stress.warnings, *design.scan.warnings)]
     for record in design.files:
         lines.append(f"wrote     {record.path} ({record.bytes:,} bytes)")
@@ -287,6 +292,7 @@ def _solid_check(found: SolidCheck) -> dict[str, Any]:
 
 def _solid(design: Finished) -> dict[str, Any]:
     solid = design.solid
+    changes = colour_changes(solid) if design.request.colour_change else ()
     return {
         "valid": solid.valid,
         "solids": solid.solids,
@@ -295,4 +301,5 @@ def _solid(design: Finished) -> dict[str, Any]:
         "bbox_mm": [list(corner) for corner in solid.bbox_mm],
         "module_mm": design.pattern.module_mm,
         "notes": list(solid.notes),
+        "colour_changes": [change.as_dict() for change in changes],
     }

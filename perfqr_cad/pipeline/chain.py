@@ -10,26 +10,31 @@ from __future__ import annotations
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from perfqr_cad.errors import DesignError, NotHeldError
+from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.pipeline.design import Design
 from perfqr_cad.pipeline.held import advised, require_borne, require_known, require_read
 from perfqr_cad.pipeline.holding import attempts
 from perfqr_cad.pipeline.promises import of_code, promises, require_kept
-from perfqr_cad.pipeline.request import SETTINGS, Request
+from perfqr_cad.pipeline.request import CUT, SETTINGS, Request
 from perfqr_cad.pipeline.resolve import Terms, resolve
 from perfqr_cad.pipeline.setting import takes
 from perfqr_cad.pipeline.source import source
 from perfqr_cad.pipeline.targets import Site, Target, locate
-from perfqr_cad.pipeline.tuning import for_reader
+from perfqr_cad.pipeline.tuning import for_grade, for_legibility, for_reader
 from perfqr_cad.progress import tell
 
 if TYPE_CHECKING:
+    from perfqr_cad.capture import Art
+    from perfqr_cad.geometry import Triangles
     from perfqr_cad.pattern import Pattern
     from perfqr_cad.scan import ScanReport
     from perfqr_cad.solid import Solid
+    from perfqr_cad.surface import Placement
 
 
 @takes(SETTINGS)
@@ -80,13 +85,19 @@ def _once(request: Request, target: Target | None) -> Design:
     with watch("symbol"):
         found = source(request, terms)
     with watch("pattern"):
-        drawn = patterns.build(
-            found.symbol, terms.drawing, None if found.capture is None else found.capture.art
+        art = for_legibility(
+            terms,
+            found,
+            lambda art: patterns.build(found.symbol, terms.drawing, art),
+            request.thickness_mm,
+        )
+        terms, drawn = for_grade(
+            terms, lambda terms: patterns.build(found.symbol, terms.drawing, art), request.thickness_mm
         )
     require_kept(of_code(drawn))
     with watch("placement"):
         site = locate(target, terms, drawn.extent_mm)
-    if request.scan_tilt_deg:
+    if request.scan_tilt_deg and request.process not in CUT:
         with watch("tuning"):
             terms = for_reader(terms, drawn, site.placement.thickness_mm, plate=target is None)
         if target is None:  # its thickness may be another now
@@ -101,10 +112,13 @@ def _once(request: Request, target: Target | None) -> Design:
             verified = structure.verify_solid(reinforced.pattern, site.placement, case)
     with watch("solid"):
         solid = site.solid(reinforced.pattern, terms)
+    if request.colour_change:
+        colour_changes(solid)  # refused before the film, not after
     kept = promises(reinforced.pattern, solid)
     require_kept(kept)
     with watch("scan"):
-        report = _filmed(terms, site, solid, reinforced.pattern)
+        given = None if found.capture is None else found.capture.art
+        report = _filmed(terms, site, solid, reinforced.pattern, given)
     require_read(request, report)
     return Design(
         terms.request,
@@ -131,21 +145,38 @@ def scan_part(path: str | Path, text: str | None = None) -> ScanReport:
     return scan.part(path, text, mesh_step=mesh_step)
 
 
-def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern) -> ScanReport:
-    """What the decoders make of the finished solid."""
+def _filmed(terms: Terms, site: Site, solid: Solid, pattern: Pattern, art: Art | None) -> ScanReport:
+    """What the decoders make of the finished solid; of a stencil's, of the picture that is painted."""
     from perfqr_cad import scan
+    from perfqr_cad.profile.sheets import PAINTED, STENCIL
     from perfqr_cad.symbol import payload_of
 
-    return scan.certify(
-        solid.triangles,
-        site.placement,
+    painted = terms.request.process == STENCIL
+    triangles, placement = _painted(pattern) if painted else (solid.triangles, site.placement)
+    report = scan.certify(
+        triangles,
+        placement,
         pattern,
         payload_of(pattern.symbol).data,
         schedule=terms.views,
         look=terms.look,
         seed=terms.request.seed,
         behind=site.behind(solid),
+        art=art,
     )
+    return replace(report, warnings=(*report.warnings, PAINTED)) if painted else report
+
+
+def _painted(pattern: Pattern) -> tuple[Triangles, Placement]:
+    """What stays bare of a wall that is painted through a stencil, as a sheet of next to no thickness."""
+    from perfqr_cad.profile import Profile
+    from perfqr_cad.profile.sheets import PAINT_MM, bare
+    from perfqr_cad.solid import build_profile
+    from perfqr_cad.surface import Plane
+
+    wall = Plane(PAINT_MM)
+    first, *others = (build_profile(Profile((p,)), wall).triangles for p in bare(pattern.region))
+    return first.joined(*others), wall
 
 
 class _Stopwatch:

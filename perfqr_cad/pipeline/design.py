@@ -110,4 +110,11 @@ class Design:
         from perfqr_cad.export import Options
 
         asked = self.request
-        return Options(asked.dxf, asked.dxf_bridges, asked.svg)  # pyright: ignore[reportArgumentType]  # checked there
+        return Options(
+            asked.dxf,  # pyright: ignore[reportArgumentType]  # checked there
+            asked.dxf_bridges,
+            asked.svg,  # pyright: ignore[reportArgumentType]
+            asked.kerf_mm,
+            asked.colour_change,
+            asked.split_stl,
+        )

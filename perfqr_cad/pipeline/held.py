@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 LEAST_READERS = 2  # a part that fewer engines read from straight above counts as unread
 LARGER, THICKER, THINNER = (1.25, 1.6), (1.5, 2.0), (0.75, 0.5)  # factors tried, the smallest change first
 MOST_HOLDS = 3  # of the finder rings that are tried, the strongest ones
+GRADED_MM = (75.0, 100.0)  # in large modules a verifier hardly sees bars of one line
 ACCEPT_WEAK, ACCEPT_UNREAD = Remedy(accept_weak=True), Remedy(accept_unread=True)
 BARS = ("bars", "bar_height_mm", "bar_width_mm")  # settings of recessed bars
 THINNEST_MM = 0.8  # that still prints as a plate
@@ -61,6 +62,25 @@ def require_read(request: Request, report: ScanReport) -> None:
 
 
 def _unread(request: Request, report: ScanReport) -> str | None:
+    return _unread_by_decoders(request, report) or _below_grade(request, report)
+
+
+def _below_grade(request: Request, report: ScanReport) -> str | None:
+    """What the part lacks of the grade that was asked for."""
+    from perfqr_cad.scan.grade import LETTERS
+
+    if request.grade is None or report.grade is None:
+        return None
+    found = report.grade.counted
+    if found.overall >= LETTERS[request.grade]:
+        return None
+    return (
+        f"grade {found.overall:.1f} ({found.letter}) before {report.grade.ground}, limited by "
+        f"{found.limiting}, asked for {LETTERS[request.grade]:.1f} ({request.grade})"
+    )
+
+
+def _unread_by_decoders(request: Request, report: ScanReport) -> str | None:
     readers, wanted = report.readers, required(request)
     if missing := [name for name in wanted if name not in readers]:
         return f"{', '.join(missing)}: required, and cannot read the part from straight above"
@@ -121,6 +141,8 @@ def _more_legible(request: Request, plate: bool) -> Iterator[Remedy]:
     """Single changes that may be read better."""
     if own := [name for name in ("colour", "ground") if getattr(request, name) is not None]:
         yield Remedy(**dict.fromkeys(own))
+    if request.grade is not None and request.ground is None and request.backing_mm is None:
+        yield Remedy(ground="black")  # if that is what will be behind it
     if request.depth_mm is not None:
         yield Remedy(depth_mm=None)
     for share in THINNER if plate else ():
@@ -129,3 +151,6 @@ def _more_legible(request: Request, plate: bool) -> Iterator[Remedy]:
     if request.size_mm is not None:
         for factor in LARGER:
             yield Remedy(size_mm=float(round(factor * request.size_mm)))
+    elif request.grade is not None:
+        for size_mm in GRADED_MM:
+            yield Remedy(size_mm=size_mm)

@@ -23,6 +23,8 @@ CONTENT: dict[str, Any] = {"empty": "none", "max_length": MOST_LETTERS, "visible
 WRITTEN = ("text", "bytes", *CONTENTS)  # what a code is drawn from
 SOURCES = ("text", "image", *WRITTEN[1:])  # exactly one of them is given
 LOADS = ("load", "pressure", "finger", "own_weight", "handling")  # settings that ask for strength
+AUTO = "auto"
+CUT = ("laser", "waterjet", "knife", "stencil")  # processes that cut sheets
 MOST_CAPTION = 500  # letters that a frame could bear
 
 
@@ -91,6 +93,14 @@ class Request:
         needs=("image",),
         range=(1, 100),
         empty="the only one",
+    )
+    legibility: str | None = setting(
+        None,
+        "how far the art of a picture gives way to the plain code, 0 to 1, or auto: as far as decoders need",
+        group="Code",
+        needs=("image",),
+        empty="not at all",
+        max_length=10,
     )
     level: str = setting(
         "M",
@@ -164,7 +174,7 @@ class Request:
         "recessed bars of a finder ring",
         group="Look",
         needs=("finder=recessed",),
-        range=(1, 2),
+        range=(1, 3),
         empty="as reads best",
     )
     bar_height_mm: float | None = setting(
@@ -189,8 +199,27 @@ class Request:
         group="Look",
         choices=("optimal:fewest and least harmful", "paper:Eq. (4)", "mst:Eq. (4) with λ = 0"),
     )
-    nozzle_mm: float = setting(
-        0.4, "width of one printed line or of the kerf", group="Walls", range=(0.01, 10.0)
+    process: str = setting(
+        "fdm",
+        "how the part is made, and so what can be designed",
+        group="Walls",
+        choices=(
+            "fdm:printed from filament",
+            "resin:printed from resin",
+            "laser:cut from a sheet",
+            "waterjet:cut from a sheet",
+            "knife:cut from card or film",
+            "stencil:cut, to paint through",
+        ),
+    )
+    nozzle_mm: float = setting(0.4, "width of one printed line", group="Walls", range=(0.01, 10.0))
+    kerf_mm: float = setting(
+        0.0,
+        "width that the cutter takes away; paths in DXF and SVG files keep half of it off the part,"
+        " 0 leaves that to the cutter's program",
+        group="Walls",
+        needs=tuple(f"process={way}" for way in CUT),
+        range=(0.0, 10.0),
     )
     draft_deg: float | None = setting(
         None,
@@ -352,6 +381,13 @@ class Request:
         empty="any two",
         max_length=200,
     )
+    grade: str | None = setting(
+        None,
+        "grade of print quality that the part must have, by ISO/IEC 15415; bars are chosen for it",
+        group="Proof",
+        choices=("A:3.5", "B:2.5", "C:1.5", "D:0.5"),
+        empty="not asked for",
+    )
     accept_weak: bool = setting(
         False,
         "write the part although it does not bear a load that was asked for",
@@ -380,6 +416,18 @@ class Request:
         needs=(".svg",),
         choices=("filled:a picture", "cut:hairlines in the colours of a cutter"),
     )
+    split_stl: bool = setting(
+        False,
+        "an STL file for each colour: part-backing.stl beside part.stl",
+        group="Files",
+        needs=(".stl",),
+    )
+    colour_change: bool = setting(
+        False,
+        "3MF files change the colour between layers, for one nozzle, not the tool",
+        group="Files",
+        needs=(".3mf",),
+    )
 
     def __post_init__(self) -> None:
         given = [name for name in SOURCES if getattr(self, name) is not None]
@@ -391,12 +439,24 @@ class Request:
             value = declared.check(getattr(self, declared.field), declared.field)
             object.__setattr__(self, declared.field, value)
         require_effect(SETTINGS, {declared.name: getattr(self, declared.field) for declared in SETTINGS})
+        if self.legibility is not None:
+            _share(self.legibility)
         if len([hole for hole in self.hole_mm if len(hole) == 1]) > 1:
             raise DesignError("hole: two diameters for the holes in the corners: give one, or x,y,diameter")
 
     def as_dict(self) -> dict[str, Any]:
         """The settings as plain JSON values."""
         return asdict(self)
+
+
+def _share(legibility: str) -> None:
+    """Raises `DesignError` for a legibility that is neither a share nor auto."""
+    try:
+        meant = legibility == AUTO or 0 <= float(legibility) <= 1
+    except ValueError:
+        meant = False
+    if not meant:
+        raise DesignError(f"legibility {legibility!r} is neither {AUTO} nor a number from 0 to 1: try 0.5")
 
 
 SETTINGS: tuple[Parameter, ...] = declarations(Request)

@@ -26,7 +26,12 @@ if TYPE_CHECKING:
 DRAFT_DEG, LIP_MM = 15.0, 0.2
 LEAST_FLARED_MM = 4 * LIP_MM  # thinner sheets are cut, not printed, and hide little
 FRAME_MM = 8.0  # that bears one line which can be printed and read
+BACKING_MM = 1.0  # that is stiff and dark enough behind a plate
 LAYER_SHARE = 0.75  # of its diameter: the thickest layer that a nozzle lays well
+# Settings of what ends within a sheet; handling moves along recessed bars.
+WITHIN = (
+    "depth_mm", "draft_deg", "lip_mm", "bars", "bar_height_mm", "bar_width_mm", "handling_n", "colour_change"
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -65,8 +70,16 @@ def resolve(request: Request, *, plate: bool) -> Terms:
     """The terms of a request. On a plate with through-holes, walls that it leaves open flare for the reader;
     elsewhere they are straight.
 
-    Raises `DesignError` for walls, captions, colours and names that cannot be meant.
+    Raises `DesignError` for walls, captions, colours and names that cannot be meant, and a change of
+    colour on a part of one.
     """
+    request = makeable(request, plate=plate)
+    if request.colour_change and plate and request.backing_mm is None:
+        raise DesignError(
+            "a change of colour between layers needs a second colour",
+            Remedy(backing_mm=BACKING_MM),
+            Remedy(colour_change=None),
+        )
     flares = plate and request.depth_mm is None and request.thickness_mm >= LEAST_FLARED_MM
     draft_deg, lip_mm = (DRAFT_DEG, LIP_MM) if flares and request.draft_deg is None else (0.0, 0.0)
     filled = replace(
@@ -103,6 +116,47 @@ def resolved(request: Request, *, or_straight: bool) -> Terms:
     )
 
 
+def makeable(request: Request, *, plate: bool) -> Request:
+    """The request with what its process leaves no choice of: walls of sheets are straight, bars go through,
+    letters are engraved.
+
+    Raises `DesignError` for what cannot be cut from a sheet.
+    """
+    from perfqr_cad.profile.sheets import CUTTING
+
+    way = CUTTING.get(request.process)
+    if way is None:
+        return request
+    printed = Remedy(process="fdm", **({"kerf_mm": None} if request.kerf_mm else {}))
+    if not plate:
+        raise DesignError(f"{way.name} cuts flat sheets, not the wall of a part", printed)
+    if within := {name: None for name in WITHIN if getattr(request, name)}:
+        raise DesignError(f"{way.name} cuts straight through a sheet", Remedy(**within), printed)
+    way.require(request.thickness_mm, request.material, lettered=bool(request.caption))
+    relief_mm = request.caption_relief_mm
+    return replace(
+        request,
+        draft_deg=0.0,
+        lip_mm=0.0,
+        finder="panel" if request.finder == "recessed" else request.finder,
+        caption_relief_mm=way.relief_mm(relief_mm, request.thickness_mm) if request.caption else relief_mm,
+    )
+
+
+def _least_sizes(request: Request) -> dict[str, Any]:
+    """Fields of the pattern's spec that a cutter sets, or a nozzle."""
+    from perfqr_cad.profile.sheets import CUTTING
+
+    way = CUTTING.get(request.process)
+    if way is None:
+        return {"fillet_mm": request.fillet_mm}
+    return {
+        "min_web_mm": way.least_web_mm(request.thickness_mm, request.material),
+        "min_gap_mm": max(way.gap_mm, request.kerf_mm),
+        "fillet_mm": max(request.fillet_mm or 0.0, way.corner_mm, request.kerf_mm / 2),
+    }
+
+
 def _drawing(request: Request) -> PatternSpec:
     """What the pattern is asked to be."""
     from perfqr_cad.pattern import Hole, PatternSpec, Surround
@@ -112,7 +166,7 @@ def _drawing(request: Request) -> PatternSpec:
         quiet_modules=request.quiet_modules,
         nozzle_mm=request.nozzle_mm,
         style=request.style,  # pyright: ignore[reportArgumentType]  # PatternSpec refuses unknown names
-        fillet_mm=request.fillet_mm,
+        **_least_sizes(request),
         finder=request.finder,  # pyright: ignore[reportArgumentType]
         **_bars(request),
         objective=request.objective,  # pyright: ignore[reportArgumentType]
@@ -129,18 +183,15 @@ def _drawing(request: Request) -> PatternSpec:
 
 
 def _bars(request: Request) -> dict[str, Any]:
-    """Settings of the recessed bars: as asked for, and what is left open as suits the reader.
-
-    One bar of two nozzle lines a ring: wider ones bear more and need the shade of their slots to be read,
-    which a crisp picture of the face lacks (docs/pattern.md).
+    """Settings of the recessed bars: as asked for, and what is left open as suits the reader: `PatternSpec`'s
+    own, or, the smaller the bars, the further from aside zxing-cpp reads (docs/scan.md).
     """
-    chosen: dict[str, Any] = {"bars": 1, "bar_width_mm": 2 * request.nozzle_mm}
-    if request.scan_tilt_deg:  # the smaller the bars, the further from aside zxing-cpp reads: docs/scan.md
+    chosen: dict[str, Any] = {}
+    if request.scan_tilt_deg:
         layer_mm = LAYER_SHARE * request.nozzle_mm
-        chosen |= {"bar_width_mm": request.nozzle_mm, "bar_height_mm": layer_mm}
+        chosen = {"bars": 1, "bar_width_mm": request.nozzle_mm, "bar_height_mm": layer_mm}
     asked = {name: getattr(request, name) for name in ("bars", "bar_height_mm", "bar_width_mm")}
-    given = {name: value for name, value in asked.items() if value is not None}
-    return (chosen if not given or request.scan_tilt_deg else {}) | given
+    return chosen | {name: value for name, value in asked.items() if value is not None}
 
 
 def _caption(request: Request, drawing: PatternSpec) -> Caption | None:
@@ -200,10 +251,13 @@ def asked_loads(request: Request) -> tuple[str, ...]:
 def _views(request: Request) -> Schedule:
     """The quick views; with a tilt that is asked for, as many sides and frames as in the full certificate."""
     from perfqr_cad.scan import FULL, QUICK
+    from perfqr_cad.scan.schedule import PATIENCE
 
+    known = request.ground is not None or request.backing_mm is not None
     if request.scan_tilt_deg is None:
-        return QUICK
-    return replace(FULL, tilts_deg=tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg})), backgrounds=())
+        return replace(QUICK, ground_known=known)
+    tilts_deg = tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg}))
+    return replace(FULL, tilts_deg=tilts_deg, frames=PATIENCE, backgrounds=(), ground_known=known)
 
 
 def _look(request: Request) -> Look:

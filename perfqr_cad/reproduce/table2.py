@@ -11,7 +11,7 @@ from perfqr_cad.reproduce.bunny import bunny
 from perfqr_cad.reproduce.exhibits import exhibits, handheld, rate, save
 from perfqr_cad.scan import Look, View
 from perfqr_cad.scan.decoding.decoders import available
-from perfqr_cad.scan.proof import PATIENCE
+from perfqr_cad.scan.schedule import PATIENCE
 from perfqr_cad.table import Table
 
 

@@ -20,7 +20,10 @@ if TYPE_CHECKING:
     from perfqr_cad.scan.camera.scene import Scene
     from perfqr_cad.scan.decoding.panel import Panel
     from perfqr_cad.scan.filed import part
-    from perfqr_cad.scan.proof import FULL, QUICK, Schedule, certify, reads
+    from perfqr_cad.scan.filming import reads
+    from perfqr_cad.scan.grounds import GROUNDS, Ground
+    from perfqr_cad.scan.proof import certify
+    from perfqr_cad.scan.schedule import FULL, QUICK, Schedule
     from perfqr_cad.scan.search import Goal, Trial, improve
     from perfqr_cad.scan.surrogate import Legibility, legibility
 
@@ -32,7 +35,10 @@ _MODULES = {
     "camera.preview": ("plate_scene",),
     "decoding.panel": ("Panel",),
     "filed": ("part",),
-    "proof": ("FULL", "QUICK", "Schedule", "certify", "reads"),
+    "filming": ("reads",),
+    "grounds": ("GROUNDS", "Ground"),
+    "proof": ("certify",),
+    "schedule": ("FULL", "QUICK", "Schedule"),
     "search": ("Goal", "Trial", "improve"),
     "surrogate": ("Legibility", "legibility"),
 }
@@ -42,6 +48,7 @@ _LAZY = {name: module for module, names in _MODULES.items() for name in names}
 __all__ = [
     "BLACK",
     "FULL",
+    "GROUNDS",
     "QUICK",
     "WHITE",
     "Camera",
@@ -51,6 +58,7 @@ __all__ = [
     "FilmedView",
     "FlatPrint",
     "Goal",
+    "Ground",
     "Legibility",
     "Light",
     "Look",

@@ -13,8 +13,9 @@ from perfqr_cad.scan.camera.placing import load_mesh
 from perfqr_cad.scan.decoding.decoders import accepted
 from perfqr_cad.scan.decoding.panel import shared
 from perfqr_cad.scan.facing import turned
-from perfqr_cad.scan.proof import FULL, Schedule, certify
+from perfqr_cad.scan.proof import certify
 from perfqr_cad.scan.report import ScanReport
+from perfqr_cad.scan.schedule import FULL, Schedule
 from perfqr_cad.surface import Placement
 
 MESHES = (".stl", ".3mf", ".ply", ".obj", ".off")

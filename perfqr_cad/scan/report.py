@@ -8,7 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from perfqr_cad.scan.camera.look import Look
 from perfqr_cad.scan.decoding.panel import Losses
+from perfqr_cad.scan.grade import SymbolGrade
+from perfqr_cad.scan.grounds import GroundResult, conditions, in_words
+from perfqr_cad.scan.likeness import Likeness
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,10 @@ class ScanReport:
     worst_read    the steepest view that every frontal reader still reads
     first_missed  the least steep view that one of them misses
     losses        views missed because a decoder met its limit of computing, or crashed
+    grade         how a verifier would grade it; None where the symbol is not known
+    look          ground and light that all of this was found in, but for `backgrounds` and `grounds`
+    grounds       what was read before other grounds and in other light
+    likeness      what the picture lost that the part was drawn from; None without one
     """
 
     payload: str | None
@@ -88,6 +96,15 @@ class ScanReport:
     advice: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     losses: Losses = field(default_factory=Losses)
+    grade: SymbolGrade | None = None
+    look: Look = field(default_factory=Look)
+    grounds: tuple[GroundResult, ...] = ()
+    likeness: Likeness | None = None
+
+    @property
+    def ground_words(self) -> str:
+        """Before what the part is read, and before what it is not: one sentence."""
+        return in_words(self.grounds, len(self.readers))
 
     @property
     def readers(self) -> tuple[str, ...]:
@@ -98,6 +115,7 @@ class ScanReport:
         """The certificate's section."""
         return {
             "payload": self.payload,
+            "ground": conditions(self.look),
             "decoders": {
                 name: {
                     "frontal": result.frontal,
@@ -109,7 +127,11 @@ class ScanReport:
                 }
                 for name, result in self.decoders.items()
             },
+            "grounds": [result.as_dict() for result in self.grounds],
+            "reads_on": self.ground_words,
             "backgrounds": {name: round(rate, 4) for name, rate in self.backgrounds.items()},
+            "art": None if self.likeness is None else self.likeness.as_dict(self.readers),
+            "grade": None if self.grade is None else self.grade.as_dict(),
             "timeouts": self.losses.timeouts,
             "crashes": self.losses.crashes,
             "advice": list(self.advice),
@@ -127,5 +149,8 @@ class ScanReport:
         ]
         columns = ("decoder", *(f"{tilt:g}°" for tilt in tilts), "part to", "flat print to")
         seen = [f"on {name}: {rate:.0%}" for name, rate in self.backgrounds.items()]
+        seen += [self.ground_words] if self.grounds else []
+        seen += [] if self.likeness is None else [self.likeness.words(self.readers)]
+        graded = () if self.grade is None else (f"grade {self.grade.words}",)
         title = f"Views read, by tilt: {self.payload!r}"
-        return Table(title, columns, tuple(rows), (*seen, *self.warnings, *self.advice)).render()
+        return Table(title, columns, tuple(rows), (*seen, *graded, *self.warnings, *self.advice)).render()

@@ -15,7 +15,8 @@ from perfqr_cad.scan.camera.look import Look
 from perfqr_cad.scan.camera.scene import Scene
 from perfqr_cad.scan.decoding.decoders import CORE, accepted
 from perfqr_cad.scan.decoding.panel import shared
-from perfqr_cad.scan.proof import PATIENCE, Schedule, reads
+from perfqr_cad.scan.filming import reads
+from perfqr_cad.scan.schedule import PATIENCE, Schedule
 from perfqr_cad.scan.surrogate import Legibility, legibility
 from perfqr_cad.symbol import Matrix
 

@@ -11,6 +11,7 @@ import ast
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -21,6 +22,8 @@ from PIL import Image
 
 import perfqr_cad
 from perfqr_cad.errors import KernelError, PerfQRError, UnreadError, WeakError
+from perfqr_cad.export.colour_change import colour_changes
+from perfqr_cad.export.cutting import beside
 from perfqr_cad.geometry import Region, Triangles
 from perfqr_cad.geometry.outline import Loop
 from perfqr_cad.hosts.mesh import MeshTarget
@@ -38,7 +41,8 @@ from perfqr_cad.structure import solid_check, verify_solid
 from tests import pictures
 
 PACKAGE = Path(perfqr_cad.__file__).parent
-NOT_SETTINGS = {"--template-timeout", "--json", "--image"}  # options that messages name as they are
+# Options that messages name as they are.
+NOT_SETTINGS = {"--template-timeout", "--json", "--image", "--url", "--wifi"}
 
 
 @dataclass(frozen=True)
@@ -89,6 +93,16 @@ def two_pieces_with_a_bar_between(_: Request) -> None:
     front_with_bars([square], [Bridge((5.0, 5.0), (6.0, 5.0), 0.4, "connectivity", 0.0, 0.4)])
 
 
+def bodies_side_by_side(_: Request) -> None:
+    box = SimpleNamespace(name="box", bbox_mm=((0.0, 0.0, 0.0), (1.0, 1.0, 10.0)), colour=(0.0, 0.0, 0.0))
+    whole: Any = SimpleNamespace(**{**vars(box), "extras": (box,)})
+    colour_changes(whole)
+
+
+def kerf_wider_than_a_hole(_: Request) -> None:
+    beside([Loop.from_points([(0, 0), (0, 1), (1, 1), (1, 0)])], -0.6)
+
+
 def kernel_that_fails(_: Request) -> None:
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
     from OCP.gp import gp_Trsf
@@ -132,6 +146,12 @@ SHORTFALLS = [
 # Where remedies are made: what is refused there.
 PLACES: dict[str, list[Refused]] = {
     "capture/several.choice": [refused("use no --which", text=None, image="one.png", which=2)],
+    "export/colour_change.colour_changes": [
+        provoked(bodies_side_by_side, "share 10 mm of height", colour_change=True, backing_mm=1.0)
+    ],
+    "export/cutting._beside": [
+        provoked(kerf_wider_than_a_hole, "narrower than a kerf", process="laser", kerf_mm=0.2)
+    ],
     "hosts/mesh/mesh_search.searched": [into(mesh, "no spot of the mesh", size_mm=59.8)],
     "hosts/place.judged": [into(beside_the_middle, "hangs over", size_mm=55.0)],
     "hosts/step/face_search._on_largest": [into(slab, "no face of", size_mm=70.0)],
@@ -156,7 +176,14 @@ PLACES: dict[str, list[Refused]] = {
     "pipeline/held.advised": SHORTFALLS,
     "pipeline/held._stronger": SHORTFALLS[:2],
     "pipeline/held._more_legible": SHORTFALLS[2:],
-    "pipeline/resolve.resolve": [refused("before straight walls", lip_mm=0.4, depth_mm=0.8)],
+    "pipeline/resolve.makeable": [
+        refused("cuts straight through", process="laser", kerf_mm=0.2, draft_deg=8.0),
+        into(slab, "cuts flat sheets", process="laser", kerf_mm=0.2, size_mm=40.0),
+    ],
+    "pipeline/resolve.resolve": [
+        refused("before straight walls", lip_mm=0.4, depth_mm=0.8),
+        refused("needs a second colour", colour_change=True),
+    ],
     "pipeline/resolve._caption": [refused("needs a frame", caption="7")],
     "pipeline/targets.placement": [refused("not seen from behind", mirror=True, depth_mm=0.8)],
     "pipeline/targets.locate": [into(slab, "read from its front", size_mm=40.0, mirror=True)],
@@ -179,6 +206,11 @@ PLACES: dict[str, list[Refused]] = {
         refused("comes within", caption="7777", frame_mm=8.0, size_mm=40.0, hole_mm=((0, -23.5, 3),)),
     ],
     "profile/lettering._require_shapes": [refused("no shape for 'Ⓑ'", caption="Ⓑ", frame_mm=8.0)],
+    "profile/sheets.require": [
+        refused("cuts sheets of up to 2 mm, not 3 mm", process="knife", thickness_mm=3.0),
+        refused("knife cuts no steel", process="knife", material="steel"),
+        refused("cannot engrave", process="waterjet", caption="7", frame_mm=8.0),
+    ],
     "profile/typeface.typeface": [refused("is not installed", caption="7", frame_mm=8.0, font="Dejavu Sanz")],
     "profile/walls.reach_mm": [refused("leave no floor", depth_mm=1.6)],
     "profile/walls.flare_mm": [refused("nothing to flare", lip_mm=1.6, draft_deg=8.0)],

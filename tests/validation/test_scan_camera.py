@@ -99,7 +99,7 @@ def test_sky_on_the_floor_of_a_long_slot(depth):
     triangles = slotted(depth)
     vertices = triangles.vertices - [0, 0, depth]
     sections = cut_stack(vertices, triangles.faces, edge_mm=EDGE * 1.1, layers=9, pixels=256)
-    lit = brightness(sections, Light(ambient=1.0, lamp=0.0), reflectance=0.0, bounces=0)
+    lit = brightness(sections, Light(ambient=1.0, lamp=0.0), reflectance=0.0)
     middle = lit.ground.shape[0] // 2
     expected = 1 / np.sqrt(1 + (2 * depth / SLOT) ** 2)
     assert lit.ground[middle - 8 : middle + 8, middle].mean() == pytest.approx(expected, abs=0.06)

@@ -16,7 +16,7 @@ from perfqr_cad.scan import Light, Look, Optics, Scene, View, place
 
 REFLECTANCE = 0.85  # of the default look
 PATHS = 150  # a pixel; means over twenty pixels and more are compared
-CLEAN = Look(optics=Optics(defocus_px=0, noise=0, jpeg_quality=None))
+CLEAN = Look(optics=Optics(defocus_px=0, noise=0, jpeg_quality=None), phone=False)
 EDGE = 40.0
 
 
@@ -64,6 +64,8 @@ class Witness:
     corners: np.ndarray
     light: Light
     floor: float
+    ground: float = 0.0  # reflectance
+    bounces: int = 8
 
     def hit(self, origins: np.ndarray, ways: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Nearest triangle (-1: none) and how far, for rays (k, 3); all against all."""
@@ -90,34 +92,47 @@ class Witness:
         return normal * -np.sign(np.einsum("ki,ki->k", normal, ways))[:, None]
 
     def irradiance(self, points, normals, rng, paths: int) -> np.ndarray:
-        """Of each point (k,): lamp and sky, and what the part throws back once."""
-        total = np.zeros(len(points))
-        for point, normal, k in zip(points, normals, range(len(points)), strict=True):
-            origin = np.tile(point + 1e-4 * normal, (paths, 1))
-            ways = rng.normal(size=(paths, 3))
-            ways = ways / np.linalg.norm(ways, axis=1, keepdims=True) + normal  # as likely as their cosine
-            ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-            met, far = self.hit(origin, ways)
-            open_sky = (met < 0) & (ways[:, 2] > 0)
-            total[k] = self.lamp(origin[:1], normal[None])[0] + self.light.ambient * open_sky.mean()
-            if (met >= 0).any():
-                lit = met >= 0
-                where, facing = origin[lit] + far[lit, None] * ways[lit], self.normals(met[lit], ways[lit])
-                total[k] += REFLECTANCE * self.thrown_back(where, facing, rng).sum() / paths
+        """Of each point (k,): lamp and sky, and what part and ground throw back."""
+        pairs = zip(points, normals, strict=True)
+        return np.array([
+            self.received(np.tile(point, (paths, 1)), np.tile(normal, (paths, 1)), rng, self.bounces).mean()
+            for point, normal in pairs
+        ])  # fmt: skip
+
+    def received(self, points, normals, rng, bounces: int) -> np.ndarray:
+        """Light on each point (k,): the lamps', and what one way brings, from the sky or after bounces."""
+        ways = rng.normal(size=points.shape)
+        ways = ways / np.linalg.norm(ways, axis=1, keepdims=True) + normals  # as likely as their cosine
+        ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+        start = points + 1e-4 * normals
+        met, far = self.hit(start, ways)
+        down = ways[:, 2] < 0
+        total = self.lamp(points, normals) + self.light.ambient * ((met < 0) & ~down)
+        on_ground = (met < 0) & down & (self.ground > 0)
+        lit = (met >= 0) | on_ground
+        if bounces and lit.any():
+            with np.errstate(divide="ignore"):
+                far = np.where(on_ground, (self.floor - start[:, 2]) / ways[:, 2], far)[lit]
+            where, facing = start[lit] + far[:, None] * ways[lit], self.normals(met[lit], ways[lit])
+            sent = np.where(on_ground[lit], self.ground, REFLECTANCE)
+            total[lit] += sent * self.received(where, facing, rng, bounces - 1)
         return total
 
-    def thrown_back(self, points, normals, rng) -> np.ndarray:
-        """Direct light of each point, one sky ray each."""
-        ways = rng.normal(size=points.shape)
-        ways = ways / np.linalg.norm(ways, axis=1, keepdims=True) + normals
-        met, _ = self.hit(points + 1e-4 * normals, ways)
-        sky = self.light.ambient * ((met < 0) & (ways[:, 2] > 0))
-        return sky + self.lamp(points, normals)
-
     def lamp(self, points, normals) -> np.ndarray:
-        towards = self.light.lamp_direction
-        met, _ = self.hit(points + 1e-4 * normals, np.tile(towards, (len(points), 1)))
-        return self.light.lamp * np.maximum(normals @ towards, 0) * (met < 0)
+        total = np.zeros(len(points))
+        for towards in self.light.lamp_directions:
+            met, _ = self.hit(points + 1e-4 * normals, np.tile(towards, (len(points), 1)))
+            total += np.maximum(normals @ towards, 0) * (met < 0) * self.near(points, towards)
+        return self.light.lamp / self.light.lamp_sides * total
+
+    def near(self, points, towards) -> np.ndarray:
+        """What a near lamp gives a point over what it gives the centre, for a level face."""
+        if np.isinf(self.light.lamp_distance):
+            return np.ones(len(points))
+        off = self.light.lamp_distance * EDGE * towards - points * [1, 1, 0]
+        away = np.linalg.norm(off, axis=1)
+        cosine = off[:, 2] / away / towards[2]
+        return (self.light.lamp_distance * EDGE / away) ** 2 * cosine
 
     def look(self, eye, ways, rng) -> Seen:
         """What each way meets, and the light there."""
@@ -140,16 +155,18 @@ def pinhole(view: View, edge: float, top: float) -> tuple[np.ndarray, np.ndarray
     return np.array([0, 0, top]) + view.distance * edge * out, ways
 
 
-def witnessed(triangles: Triangles, view: View, pixels: np.ndarray) -> Seen:
+def witnessed(triangles: Triangles, view: View, pixels: np.ndarray, look: Look = CLEAN) -> Seen:
     vertices = np.asarray(triangles.vertices)
-    witness = Witness(vertices[triangles.faces], CLEAN.light, float(vertices[:, 2].min()))
+    ground, floor = look.ground[0], float(vertices[:, 2].min()) - look.gap_mm
+    bright = ground > 0.1  # else its light is left out, as in the camera
+    witness = Witness(vertices[triangles.faces], look.light, floor, ground if bright else 0.0)
     eye, ways = pinhole(view, EDGE, float(vertices[:, 2].max()))
     return witness.look(eye, ways[tuple(pixels.T)], np.random.default_rng(5))
 
 
-def filmed(scene: Scene, view: View, pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def filmed(scene: Scene, view: View, pixels: np.ndarray, look: Look = CLEAN) -> tuple[np.ndarray, np.ndarray]:
     """Of the pixels (k, 2) of the camera: how much of them is material, and their light."""
-    shot = scene.shot(view, CLEAN)
+    shot = scene.shot(view, look)
     at = tuple(pixels.T)
     return shot.cover[at], (shot.material + shot.ground)[at]
 
@@ -184,6 +201,38 @@ def test_pixels_of_a_plate_are_those_of_the_witness(route, plate_seen):
         assert chosen.sum() >= 20, kind
         assert light[chosen].mean() == pytest.approx(plate_seen.light[chosen].mean(), abs=within), kind
         assert np.abs(light - plate_seen.light)[chosen].mean() < 0.12, kind
+
+
+WHITE_GROUND = replace(CLEAN, ground=(0.8, 0.8, 0.8))
+LIGHTS = {
+    "white ground, touching": WHITE_GROUND,
+    "white ground, 5 mm behind": replace(WHITE_GROUND, gap_mm=5.0),
+    "four lamps": replace(
+        WHITE_GROUND, light=Light(0.0, 1.4, lamp_azimuth_deg=45.0, lamp_elevation_deg=45.0, lamp_sides=4)
+    ),
+    "a low near lamp": replace(CLEAN, light=Light(0.2, 1.0, lamp_elevation_deg=35.0, lamp_distance=2.0)),
+}
+
+
+@pytest.mark.parametrize("route", ["sections", "rays"])
+@pytest.mark.parametrize("name", LIGHTS)
+def test_light_that_a_bright_ground_sends_up_and_light_of_near_lamps(name, route):
+    look = LIGHTS[name]
+    seen = witnessed(plate(), PLATE_VIEW, ACROSS[::2], look)
+    scene = Scene(replace(place(plate()), flat=route == "sections"))
+    cover, light = filmed(scene, PLATE_VIEW, ACROSS[::2], look)
+    clear = ((cover < 0.01) | (cover > 0.99)) & ((cover > 0.5) == seen.on_part)
+    kinds = {
+        "front": seen.points[:, 2] > 1.99,
+        "ground": ~seen.on_part,
+        "wall": seen.normals[:, 0] > 0.5,
+    }
+    off = {
+        kind: (float(light[chosen & clear].mean()), float(seen.light[chosen & clear].mean()))
+        for kind, chosen in kinds.items()
+    }
+    for kind, (ours, theirs) in off.items():
+        assert ours == pytest.approx(theirs, abs=0.09), (kind, off)
 
 
 def test_the_inside_of_a_hollow_body_stays_dark_up_to_the_edge_of_its_window():

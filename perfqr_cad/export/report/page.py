@@ -158,13 +158,41 @@ def _scan(report: ScanReport | None) -> str:
         )
         if sight is not None
     ]
-    said = [*report.warnings, *report.advice]
+    said = [*([report.ground_words] if report.grounds else []), *report.warnings, *report.advice]
     advice = f'<ul class="advice">{"".join(f"<li>{escape(line)}</li>" for line in said)}</ul>' if said else ""
     return (
         f'<h2>Scan</h2>\n<div class="pair">{_heat_maps(list(report.decoders.values()))}</div>\n{advice}\n'
         f'<div class="pair">{"".join(sights)}</div>\n'
         f'<div class="pair">{markup.figure(backgrounds, "Views from above that are read, by ground")}</div>'
+        f"{_art(report)}{_grade(report)}"
     )
+
+
+def _art(report: ScanReport) -> str:
+    """The picture that the part was drawn from, beside the part as an eye sees it."""
+    if (found := report.likeness) is None:
+        return ""
+    pair = markup.figure(markup.image(found.art, "the art"), "The art, printed flat")
+    pair += markup.figure(markup.image(found.part, "the part"), "The part from straight above")
+    return f'\n<p>{escape(found.words(report.readers))}</p>\n<div class="pair">{pair}</div>'
+
+
+def _grade(report: ScanReport) -> str:
+    """The parameters of both standards, before each ground."""
+    if report.grade is None:
+        return ""
+    tables = [
+        markup.figure(
+            markup.table(
+                (f"{grade.written}: {grade.letter}", "grade"),
+                [(name, f"{value:.1f}") for name, value in grade.grades.items()],
+            ),
+            f"{grade.edition}, before {ground}; simulated, not verified",
+        )
+        for ground, grades in report.grade.grounds.items()
+        for grade in grades
+    ]
+    return f'\n<h2>Grade</h2>\n<div class="pair">{"".join(tables)}</div>'
 
 
 def _heat_maps(decoders: Sequence[DecoderResult]) -> str:

@@ -32,6 +32,17 @@ CLEAR = 0.4  # modules from the corner of the light ring to the near edge of a r
 # be, 96 instead of 85 % of the views at 40° are read (1.2 mm, six texts). On the upper finders a pinch costs
 # more than a light bar: 12 % are read at 20°.
 PINCHED = 2.9  # modules from the corner that a pinch spans at least; 2.7 to 3.3 do alike
+# Bars on two sides. zxing-cpp compares the middles and the diagonals of all rings with 1:1:3:1:1, walks
+# around the lower left one and along the left edge of the upper right one (LocateConcentricPattern,
+# FitSquareToPoints, TraceLine). OpenCV fills the dark ring from the middle of its right side and needs the
+# outer corners of the code from that; it counts modules along the last row of the upper right finder and the
+# last column of the lower left one, and takes the lesser count (computeTransformationPoints and
+# versionDefinition in qrcode.cpp). So a pinch keeps clear of corners and middles; the upper left ring may be
+# broken on its left, the upper right one at its top; the lower left one must look unbroken all around: two
+# short dark bars at one height do.
+OFF_MIDDLE = 2.9  # modules from the corner to where such a pinch ends
+SHORT_PINCH = 1.9  # to the middle of its bar
+WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT = 1.0, 1.2, 0.5  # modules, of bars on two sides
 PLACES: tuple[tuple[Side, bool], ...] = (  # side, and whether by its far end; the top and left before others
     ("top", False),
     ("left", False),
@@ -123,6 +134,25 @@ def paired_bars(ring: Ring, width: float, clear: float, solid: Solid) -> list[li
     ]
 
 
+def opposite_bars(ring: Ring, version: int, wide: float, web: float, slot: float) -> list[RingBar]:
+    """Bars behind the face on two sides of a finder ring, up to `wide` modules and no narrower than a web.
+
+    slot   modules of void that a pinch leaves: nearer to the corner than that it would be on the diagonal
+
+    See `SHORT_PINCH` for why each lies where it does.
+    """
+    most = (WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT)
+    bar, dark_bar, right_bar = (min(wide, max(web, modules)) for modules in most)
+    pinch = 1.0 - slot, OFF_MIDDLE
+    if is_traced(ring, version):
+        return [_short_pinch(ring, side, dark_bar, pinch) for side in ("left", "right")]
+    near_side: Side = "left" if ring.column == 0 else "top"
+    two = [_recessed(ring, near_side, far, bar, CLEAR, False) for far in (False, True)]
+    if ring.column == 0:
+        return [*two, _short_pinch(ring, "right", dark_bar, pinch)]
+    return [*two, _recessed(ring, "right", True, right_bar, CLEAR, False)]
+
+
 def core_bar(ring: Ring, width: float) -> RingBar:
     """For dark material: a bar from the pattern's core, beside its middle, to the dark ring."""
     return _bar(ring.inset(1), "top", CORE_FLUSH - 1 + width / 2)
@@ -150,6 +180,11 @@ def _recessed(ring: Ring, side: Side, far: bool, width: float, clear: float, pin
     reach, end = max(PINCHED, middle + width / 2 + clear), ring.size
     pinch = _along(ring, side, *((end - reach, end) if far else (0, reach))) if pinched else None
     return _bar(ring, side, end - middle if far else middle, pinch, width)
+
+
+def _short_pinch(ring: Ring, side: Side, width: float, pinch: tuple[float, float]) -> RingBar:
+    """A bar behind the face near the upper end of an upright side, pinched beside it only."""
+    return _bar(ring, side, SHORT_PINCH, _along(ring, side, *pinch), width)
 
 
 def _along(ring: Ring, side: Side, start: float, end: float) -> tuple[float, float]:

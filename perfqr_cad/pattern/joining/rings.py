@@ -20,13 +20,14 @@ from perfqr_cad.pattern.joining.finder import (
     core_bar,
     is_located,
     is_traced,
+    opposite_bars,
     paired_bars,
     recessed_bars,
     recessed_core_bar,
     ring_bars,
     rings,
 )
-from perfqr_cad.pattern.spec import PatternSpec
+from perfqr_cad.pattern.spec import ON_TWO_SIDES, PatternSpec
 from perfqr_cad.symbol import Symbol
 
 # Modules of void that the outer bank leaves of the pinched slot, no less than the least gap. A narrower one
@@ -45,6 +46,10 @@ LEAST_SLOT_MODULES = 0.25
 # 1:1:3:1:1 line. In modules over 1.6 mm a wide bar is seen as wide, and 2.4 mm are enough. docs/pattern.md.
 WIDE = 1.5
 WIDE_MM = 2.4
+ALIGNMENT = (1.5, 1.2)  # modules that a bar on an alignment pattern is wide, where banks allow
+# From here on zxing-cpp looks for all alignment patterns; before, lines along the finders do as well as the
+# one that there is (QRDetector.cpp), and a flush bar on it costs nothing: 20 views a cell, all the same.
+TILED = 7
 
 
 class _Slot(NamedTuple):
@@ -134,6 +139,13 @@ def _recessed(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> It
         return
     material = _material(canvas)
     wide = max(web, min(WIDE, _modules(canvas, WIDE_MM))) if spec.bar_width_mm is None else line
+    if spec.bars == ON_TWO_SIDES and located:
+        if version >= TILED:
+            for width in (min(wide, broad) for broad in ALIGNMENT):
+                yield from ([bar] for bar in recessed_bars(ring, width, clear, material, pinched=True))
+        return
+    if spec.bars == ON_TWO_SIDES:
+        yield opposite_bars(ring, version, wide, web, _slot_cells(canvas, spec) / canvas.lattice.per_module)
     if spec.bars > 1 and traced:  # in a pinched slot two bars are one: it is dark all along
         both = min(2 * wide, ring.size - 2 * (FLUSH + clear))
         yield from ([bar] for bar in recessed_bars(ring, both, clear, material, pinched=True))
@@ -205,8 +217,7 @@ def _slot(canvas: Canvas, bar: RingBar, spec: PatternSpec) -> _Slot | None:
     if bar.pinch is not None:
         first, last = (_cell(canvas, (k, k))[0] for k in bar.pinch)
         slot = first, last
-        dark = min(round(SLOT * u), lattice.whole(DARK_MM))
-        tip = outer + inwards * max(0, u - max(gap, dark, round(LEAST_SLOT_MODULES * u)))
+        tip = outer + inwards * max(0, u - _slot_cells(canvas, spec))
 
     def rect(across: tuple[int, int], along: tuple[int, int]) -> Rect:
         """Cells between two lines across the ring, and two along it."""
@@ -219,6 +230,13 @@ def _slot(canvas: Canvas, bar: RingBar, spec: PatternSpec) -> _Slot | None:
         return None
     bank = rect((outer, tip), slot) if tip != outer else None
     return _Slot(Bar(rect((tip, inner), (middle - half, middle + half)), along_x), bank)
+
+
+def _slot_cells(canvas: Canvas, spec: PatternSpec) -> int:
+    """How wide a pinch leaves a slot, in cells."""
+    lattice = canvas.lattice
+    dark = min(round(SLOT * lattice.per_module), lattice.whole(DARK_MM))
+    return max(lattice.whole(spec.gap_mm), dark, round(LEAST_SLOT_MODULES * lattice.per_module))
 
 
 def _is_free(canvas: Canvas, bridge: Bridge, spec: PatternSpec) -> bool:

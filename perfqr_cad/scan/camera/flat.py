@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from perfqr_cad.scan.camera import layers, photo
+from perfqr_cad.scan.camera import layers, photo, skylight
 from perfqr_cad.scan.camera.camera import Camera, View, facing_up
 from perfqr_cad.scan.camera.look import Look
-from perfqr_cad.scan.camera.skylight import Brightness
+from perfqr_cad.scan.camera.phone import PhoneBody
 from perfqr_cad.scan.camera.stack import Stack
 
 LEAST_PX = 720  # edge of the printed picture: finer than the camera sees it
@@ -29,12 +29,11 @@ class FlatPrint:
     def photo(self, view: View, look: Look | None = None, *, seed: int = 0) -> NDArray[np.uint8]:
         """Gray picture (H, W) uint8, by the same camera as the part's."""
         look = look or Look()
-        front = look.light.on_front
         camera = Camera(view, facing_up((0.0, 0.0, 0.0), self.edge_mm))
-        shot = layers.shoot(
-            self._stack(), _evenly_lit(front), camera, gap_mm=0.0, front=front, least_web_mm=1.0
-        )
-        return photo.develop(shot, look, front=front, seed=seed)
+        hidden = PhoneBody.of(camera).shares(skylight.towards(look.light)) if look.phone else None
+        lit = skylight.open_face(look.light, hidden)
+        shot = layers.shoot(self._stack(), lit, camera, gap_mm=0.0, least_web_mm=1.0)
+        return photo.develop(shot, look, front=look.light.on_front, seed=seed)
 
     def _stack(self) -> Stack:
         repeat = -(-LEAST_PX // len(self.light))
@@ -49,8 +48,3 @@ def printed(dark: NDArray[np.bool_], edge_mm: float, *, quiet_modules: int = 4, 
     (64, 64)
     """
     return FlatPrint(np.pad(~dark, quiet_modules * scale, constant_values=True), edge_mm)
-
-
-def _evenly_lit(front: float) -> Brightness:
-    even = np.full((1, 1), front, np.float32)
-    return Brightness(even[None], even, ())

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.scan.camera.camera import Camera
+from perfqr_cad.scan.camera.marching import Picture
 from perfqr_cad.scan.camera.raster import sample, warp, zoom
-from perfqr_cad.scan.camera.skylight import Brightness, Picture
+from perfqr_cad.scan.camera.skylight import Brightness
 from perfqr_cad.scan.camera.stack import Stack
 
 OPAQUE = 1 / 512  # a pixel of which less than this is still open shows nothing of what is behind
@@ -44,9 +45,9 @@ def layers_needed(thickness_mm: float, tilt_deg: float, least_web_mm: float) -> 
 
 
 def shoot(
-    stack: Stack, brightness: Brightness, camera: Camera, *, gap_mm: float, front: float, least_web_mm: float
+    stack: Stack, brightness: Brightness, camera: Camera, *, gap_mm: float, least_web_mm: float
 ) -> Shot:
-    """Film a plate. `front` is the irradiance of its front face."""
+    """Film a plate."""
     thickness = float(stack.depth_mm[-1])
     field = np.degrees(np.arctan(0.7 / camera.view.distance))  # half the picture's diagonal, as an angle
     wanted = layers_needed(thickness, camera.view.tilt_deg + field, least_web_mm)
@@ -59,13 +60,16 @@ def shoot(
     size = (columns.stop - columns.start, rows.stop - rows.start)
     to_picture = crop @ camera.homography(0.0) @ stack.to_plane()
     cover = warp(stack.material[0], to_picture, size) * np.float32(1 / 255)
-    material, through = cover * np.float32(front), 1 - cover
+    to_light = stack.to_plane() @ zoom(stack.pixels / brightness.ground.shape[0])
+    front = warp(brightness.front, crop @ camera.homography(0.0) @ to_light, size, beyond="edge")
+    material, through = cover * front, 1 - cover
     if len(behind_front):
         _see_through(stack, brightness, camera, to_picture, behind_front, material, through)
 
-    to_light = stack.to_plane() @ zoom(stack.pixels / brightness.ground.shape[0])
     behind = camera.homography(thickness + gap_mm)
-    ground = warp(brightness.ground, behind @ to_light, pixels, outside=front)
+    shade = 1 - brightness.ground / brightness.front  # there is none beyond the picture
+    ground = 1 - warp(shade, behind @ to_light, pixels)
+    ground *= warp(brightness.front, behind @ to_light, pixels, beyond="edge")
     ground[rows, columns] *= through
     return Shot(
         _padded(material, rows, columns, pixels), ground, _padded(1 - through, rows, columns, pixels),
@@ -90,9 +94,10 @@ def _see_through(
     foot, height_mm = _foot(stack, camera)
     magnified = (1 + stack.depth_mm / height_mm).astype(np.float32)
     bounds = stack.bounds
-    to_light = np.float32(brightness.wall.shape[1] / stack.pixels)
+    to_light = np.float32(len(brightness.front) / stack.pixels)
     shift = (to_light - 1) / 2  # centres of pixels are at whole numbers in both
     open_pixels = np.flatnonzero(rest > OPAQUE)
+    walls = {int(k): brightness.wall(int(k)) for k in layers}
     for pixels in np.array_split(open_pixels, 1 + len(open_pixels) // TOGETHER):
         from_foot = _front_points(pixels, through.shape[1], to_picture) - foot
         near = _meets(bounds, from_foot + foot, from_foot * magnified[-1] + foot)
@@ -103,7 +108,7 @@ def _see_through(
             covered = sample(stack.material[k], at) * (left * np.float32(1 / 255))
             left -= covered
             met = np.flatnonzero(covered > 0)
-            lit = sample(brightness.wall[k], at.take(met, axis=1) * to_light + shift)
+            lit = sample(walls[k], at.take(met, axis=1) * to_light + shift)
             sums[pixels[met]] += covered[met] * lit
             still = np.flatnonzero(left > OPAQUE)
             if len(still) < DROPPED * len(left):

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from perfqr_cad.scan.camera.layers import Shot
 from perfqr_cad.scan.camera.look import Look, Optics
+from perfqr_cad.scan.camera.marching import Picture
 from perfqr_cad.scan.camera.raster import warp
-from perfqr_cad.scan.camera.skylight import Picture
 
 # The brightest thing in the picture is exposed to this part of full scale.
 EXPOSURE = 0.85
@@ -61,7 +61,7 @@ def _texture(shot: Shot, look: Look, channel: int) -> NDArray[np.float32]:
     mm_to_px = np.array([[per_mm, 0, tile.shape[1] / 2], [0, -per_mm, tile.shape[0] / 2], [0, 0, 1.0]])
     height, width = shot.ground.shape
     to_picture = np.linalg.inv(mm_to_px @ shot.to_ground)
-    return warp(np.ascontiguousarray(tile, np.float32), to_picture, (width, height), tile=True)
+    return warp(np.ascontiguousarray(tile, np.float32), to_picture, (width, height), beyond="tiles")
 
 
 def _camera(light: NDArray[np.float32], look: Look, front: float, seed: int) -> NDArray[np.uint8]:
@@ -69,7 +69,7 @@ def _camera(light: NDArray[np.float32], look: Look, front: float, seed: int) -> 
     optics = look.optics
     brightest = front * max(*look.material, *look.ground)
     signal = light * np.float32(EXPOSURE / brightest)
-    for kernel in (_disc(optics.defocus_px), _smear(optics.motion_px, optics.motion_deg)):
+    for kernel in (disc(optics.defocus_px), _smear(optics.motion_px, optics.motion_deg)):
         if kernel is not None:
             signal = cv2.filter2D(signal, -1, kernel, borderType=cv2.BORDER_REPLICATE).reshape(signal.shape)
     if optics.noise > 0:
@@ -94,7 +94,7 @@ def _grain(shape: tuple[int, ...], seed: int) -> NDArray[np.float32]:
     return (np.bitwise_count(tosses).astype(np.float32) - np.float32(32)) * np.float32(0.25)
 
 
-def _disc(diameter_px: float) -> NDArray[np.float32] | None:
+def disc(diameter_px: float) -> NDArray[np.float32] | None:
     """Uniform disc of a given diameter, sampled eight times finer than the pixels."""
     if diameter_px <= 0:
         return None

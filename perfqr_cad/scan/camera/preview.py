@@ -24,11 +24,11 @@ from perfqr_cad.geometry.outline import Line
 from perfqr_cad.pattern.drawing.front import edge_under
 from perfqr_cad.scan.camera import layers
 from perfqr_cad.scan.camera.camera import facing_up
+from perfqr_cad.scan.camera.marching import Picture
 from perfqr_cad.scan.camera.placing import FilmedPart
 from perfqr_cad.scan.camera.raster import shrunk
-from perfqr_cad.scan.camera.scene import LEAST_WEB_MM, MARGIN, SECTION_PX, STEEPEST_DEG, Scene
-from perfqr_cad.scan.camera.skylight import Picture
-from perfqr_cad.scan.camera.stack import Stack, area
+from perfqr_cad.scan.camera.scene import LEAST_WEB_MM, SECTION_PX, STEEPEST_DEG, Scene
+from perfqr_cad.scan.camera.stack import MARGIN, Stack, area
 
 if TYPE_CHECKING:
     from perfqr_cad.pattern import Bridge, Pattern

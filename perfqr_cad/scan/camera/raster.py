@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import cv2
 import numpy as np
@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 Number = TypeVar("Number", np.uint8, np.float32)
 Floats = NDArray[np.float64]
+Beyond = Literal["black", "edge", "tiles"]
+_BORDERS = {"black": cv2.BORDER_CONSTANT, "edge": cv2.BORDER_REPLICATE, "tiles": cv2.BORDER_WRAP}
 
 
 def warp(
@@ -17,18 +19,14 @@ def warp(
     to_picture: Floats,
     size: tuple[int, int],
     *,
-    outside: float = 0.0,
-    tile: bool = False,
+    beyond: Beyond = "black",
 ) -> NDArray[Number]:
     """The picture (h, w) under a homography (3, 3) of its (x, y), as a picture of `size` (width, height).
 
-    Bilinear; beyond the picture lies `outside`, or with `tile` the picture again.
+    Bilinear; beyond the picture lies black, its edge drawn out, or the picture again.
     """
-    border = cv2.BORDER_WRAP if tile else cv2.BORDER_CONSTANT
-    flags = cv2.INTER_LINEAR
-    moved = cv2.warpPerspective(
-        picture, to_picture, size, flags=flags, borderMode=border, borderValue=outside
-    )
+    border = _BORDERS[beyond]
+    moved = cv2.warpPerspective(picture, to_picture, size, flags=cv2.INTER_LINEAR, borderMode=border)
     return np.asarray(moved, picture.dtype)
 
 
@@ -59,6 +57,12 @@ def shift(picture: NDArray[np.float32], x: float, y: float, outside: float) -> N
 def shrunk(picture: NDArray[Number], size: tuple[int, int]) -> NDArray[Number]:
     """The picture at a lower resolution (width, height), by area."""
     return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), picture.dtype)
+
+
+def resized(picture: NDArray[np.float32], size: int) -> NDArray[np.float32]:
+    """A square picture with `size` pixels on a side: by area when that is fewer, else bilinear."""
+    how = cv2.INTER_AREA if size < len(picture) else cv2.INTER_LINEAR
+    return np.asarray(cv2.resize(picture, (size, size), interpolation=how), np.float32)
 
 
 def smooth(picture: NDArray[np.float32], sigma_px: float) -> NDArray[np.float32]:

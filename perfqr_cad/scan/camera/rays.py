@@ -2,7 +2,7 @@
 
 Light is worked out at a ninth of the pixels, with one lamp ray, one sky ray and one reflection each,
 and averaged over neighbours that face the same way; edges between faces stay sharp. A body behind the
-part is lit and hidden like the part, but has the ground's colour and, like the ground, throws no light back.
+part is lit and hidden like the part, but has the ground's colour.
 """
 
 from __future__ import annotations
@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from perfqr_cad.scan.camera.camera import Camera
 from perfqr_cad.scan.camera.layers import Shot
 from perfqr_cad.scan.camera.look import Light
+from perfqr_cad.scan.camera.marching import Picture
+from perfqr_cad.scan.camera.phone import PhoneBody
 from perfqr_cad.scan.camera.placing import FilmedPart
 from perfqr_cad.scan.camera.raster import smooth, warp
-from perfqr_cad.scan.camera.skylight import Picture
+from perfqr_cad.scan.camera.skylight import BOUNCES
 
 Floats = NDArray[np.float64]
 LIFT_MM = 1e-3  # rays leave a surface from this far above it, or they would meet it again
@@ -86,9 +88,19 @@ def tracer(part: FilmedPart) -> Tracer:
 
 
 def shoot(
-    tracer: Tracer, camera: Camera, light: Light, *, gap_mm: float, reflectance: float, seed: int
+    tracer: Tracer,
+    camera: Camera,
+    light: Light,
+    *,
+    gap_mm: float,
+    reflectance: tuple[float, float],
+    phone: bool,
+    seed: int,
 ) -> Shot:
-    """Film a mesh before a level ground, `gap_mm` below its lowest point."""
+    """Film a mesh before a level ground, `gap_mm` below its lowest point.
+
+    reflectance   of the part and of the ground, for light that goes on from them
+    """
     size, axes = camera.view.size_px, camera.code.axes
     eye = (camera.eye_mm - camera.code.centre_mm) @ axes.T
     rows, columns = camera.window(camera.code.centre_mm + tracer.corners @ axes)
@@ -106,7 +118,9 @@ def shoot(
         tracer, eye, camera.rays(axes, whole, whole), triangle[every].ravel(), distance[every].ravel(), floor
     )
     rng = np.random.default_rng(seed)
-    light_there = _irradiance(tracer, points, normals, light, reflectance, rng)
+    body = PhoneBody.of(camera) if phone else None
+    surroundings = _Surroundings(light, camera.code.edge_mm, floor, reflectance, body)
+    light_there = _irradiance(tracer, points, normals, surroundings, rng)
     cover = tracer.on_part(triangle)
     facing = tracer.classes[triangle]  # the last class is that of the ground
     facing[_deep(distance, cover, camera.code.edge_mm / (camera.view.fill * size))] += DEEP
@@ -145,38 +159,70 @@ def _places(
     return eye + along * reach[:, None], normals
 
 
+@dataclass(frozen=True)
+class _Surroundings:
+    """Light on a code of some edge, the height of the ground, what part and ground send back, and the
+    phone."""
+
+    light: Light
+    edge_mm: float
+    floor: float
+    reflectance: tuple[float, float]
+    phone: PhoneBody | None
+
+    def hidden(self, points: Floats, ways: Floats) -> NDArray[np.bool_]:
+        """Whether the phone stands in the way of the light."""
+        return np.zeros(len(points), np.bool_) if self.phone is None else self.phone.hides(points, ways)
+
+
 def _irradiance(
-    tracer: Tracer,
-    points: Floats,
-    normals: Floats,
-    light: Light,
-    reflectance: float,
-    rng: np.random.Generator,
+    tracer: Tracer, points: Floats, normals: Floats, around: _Surroundings, rng: np.random.Generator
 ) -> Floats:
-    """One sample of lamp, sky and one reflection at each point (k,)."""
-    total, met = _direct(tracer, points, normals, light, rng)
-    onto, where, facing = met
-    reflected, _ = _direct(tracer, where, facing, light, rng)
-    total[onto] += reflectance * reflected
+    """One sample of lamp, sky and a few reflections at each point (k,)."""
+    total, met = _direct(tracer, points, normals, around, rng)
+    onto, share = met.index, met.reflectance
+    for _ in range(BOUNCES):
+        reflected, met = _direct(tracer, met.points, met.normals, around, rng)
+        total += np.bincount(onto, share * reflected, len(total))
+        onto, share = onto[met.index], share[met.index] * met.reflectance
     return total
 
 
+@dataclass(frozen=True)
+class _Met:
+    """Where rays met something that sends light on: their index, place, normal and its reflectance."""
+
+    index: NDArray[np.intp]
+    points: Floats
+    normals: Floats
+    reflectance: Floats
+
+
 def _direct(
-    tracer: Tracer, points: Floats, normals: Floats, light: Light, rng: np.random.Generator
-) -> tuple[Floats, tuple[NDArray[np.intp], Floats, Floats]]:
-    """Lamp and sky at each point, and where the sky ray met the part: index, place and normal."""
+    tracer: Tracer, points: Floats, normals: Floats, around: _Surroundings, rng: np.random.Generator
+) -> tuple[Floats, _Met]:
+    """Lamp and sky at each point, and what the sky's rays met instead."""
+    light = around.light
     start = points + LIFT_MM * normals
-    lamp = np.broadcast_to(light.lamp_direction, start.shape)
-    cosine = np.maximum(normals @ light.lamp_direction, 0)
-    total = light.lamp * cosine * ~tracer.blocked(start, lamp)
+    lamp = light.lamp_directions
+    lamp = lamp[rng.integers(len(lamp), size=len(start)) if len(lamp) > 1 else np.zeros(len(start), int)]
+    cosine = np.maximum(np.einsum("ij,ij->i", normals, lamp), 0)
+    near = light.fall_off(light.lamp_directions[0], points[:, :2] / around.edge_mm)
+    total = light.lamp * near * cosine * ~(tracer.blocked(start, lamp) | around.hidden(start, lamp))
     sky = _cosine_rays(normals, rng)
     triangle, distance = tracer.hit(start, sky)
-    total = total + light.ambient * ((triangle < 0) & (sky[:, 2] > 0))
-    onto = np.nonzero(tracer.on_part(triangle))[0]
-    where = start[onto] + sky[onto] * distance[onto, None]
-    facing = tracer.normals[triangle[onto]].copy()
+    total = total + light.ambient * ((triangle < 0) & (sky[:, 2] > 0) & ~around.hidden(start, sky))
+    on_part = tracer.on_part(triangle)
+    of_part, of_ground = around.reflectance
+    sends = on_part | ((triangle >= 0) | (sky[:, 2] < -_TINY) if of_ground > 0 else on_part)
+    onto = np.nonzero(sends)[0]
+    hit = triangle[onto] >= 0
+    reach = np.where(hit, distance[onto], (around.floor - start[onto, 2]) / np.minimum(sky[onto, 2], -_TINY))
+    facing = np.where(hit[:, None], tracer.normals[triangle[onto]], [0.0, 0.0, 1.0])
     facing[np.einsum("ij,ij->i", facing, sky[onto]) > 0] *= -1
-    return total, (onto, where, facing)
+    return total, _Met(
+        onto, start[onto] + sky[onto] * reach[:, None], facing, np.where(on_part[onto], of_part, of_ground)
+    )
 
 
 def _cosine_rays(normals: Floats, rng: np.random.Generator) -> Floats:

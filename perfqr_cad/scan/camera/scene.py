@@ -12,15 +12,18 @@ from perfqr_cad.scan.camera import layers, photo, raster, rays, skylight
 from perfqr_cad.scan.camera.camera import Camera, View
 from perfqr_cad.scan.camera.layers import Shot
 from perfqr_cad.scan.camera.look import Light, Look
+from perfqr_cad.scan.camera.phone import PhoneBody
 from perfqr_cad.scan.camera.placing import FilmedPart
-from perfqr_cad.scan.camera.stack import Stack, cut_stack
+from perfqr_cad.scan.camera.stack import MARGIN, Stack, cut_stack
 
 STEEPEST_DEG = 65.0  # no decoder reads a flat print beyond 60° (paper, Fig. 14)
 LEAST_WEB_MM = 0.4  # one line of the common nozzle: nothing thinner is printed
 SECTION_PX = 800  # sections as fine as a 1000-pixel view that the part fills to 80 %
 WEB_PX = 2  # no web of fewer pixels is seen
-MARGIN = 1.08  # sections reach this far beyond the part, so that its outer walls have lit air beside them
 KEPT_SHOTS = 4  # views whose light is kept: the grounds differ in colour only, 12 bytes a pixel each
+KEPT_SHADOWS = 12  # lights with a phone's shadow, 5 MB each
+SHADOW_DEG = 7.5  # views that differ by less have the same shadow
+GROUND_STEP = 0.2  # of the reflectance with which grounds send light back
 TARGET_PX = 450  # a code seen smaller than this is rendered larger and averaged down
 
 
@@ -38,7 +41,7 @@ class Scene:
     def prepare(self, look: Look) -> None:
         """Work out sections and light now, before several threads ask for pictures."""
         if self.part.flat:
-            self._brightness(look, _reflectance(look))
+            self._plate_light(look, _reflectance(look))
         else:
             _ = self._tracer
 
@@ -54,7 +57,7 @@ class Scene:
 
     def shot(self, view: View, look: Look) -> Shot:
         """Light on the picture before colours and camera faults; the last few are kept."""
-        key = view, look.light, look.gap_mm, _reflectance(look)
+        key = view, look.light, look.gap_mm, _reflectance(look), _ground_reflectance(look), look.phone
         kept = self._shots.get(key)
         if kept is None:
             kept = self._shots[key] = self._shot(view, look)
@@ -76,18 +79,40 @@ class Scene:
         """The view of a plate by its sections."""
         return layers.shoot(
             self._stack,
-            self._brightness(look, reflectance),
+            self._brightness(camera, look, reflectance),
             camera,
             gap_mm=look.gap_mm,
-            front=look.light.on_front,
             least_web_mm=self._visible_web_mm,
         )
 
-    def _brightness(self, look: Look, reflectance: float) -> skylight.Brightness:
-        key = look.light, look.gap_mm, reflectance
+    def _brightness(self, camera: Camera, look: Look, reflectance: float) -> skylight.Brightness:
+        """The light of a view: with the phone's shadow, the same for views that are nearly the same."""
+        light = self._plate_light(look, reflectance)
+        view = camera.view
+        turned = round(view.azimuth_deg / SHADOW_DEG) if view.tilt_deg > SHADOW_DEG else 0
+        key = id(light), look.phone, round(view.tilt_deg / SHADOW_DEG), turned, view.distance
+        kept = self._seen.get(key)
+        if kept is None:
+            hidden = PhoneBody.of(camera).shares(skylight.towards(look.light)) if look.phone else None
+            kept = self._seen[key] = light.seen(hidden)
+            while len(self._seen) > KEPT_SHADOWS:
+                self._seen.pop(next(iter(self._seen)), None)
+        return kept
+
+    def _plate_light(self, look: Look, reflectance: float) -> skylight.PlateLight:
+        ground = _ground_reflectance(look)
+        key = look.light, look.gap_mm, reflectance, ground
         if key not in self._lit:
-            self._lit[key] = skylight.brightness(
-                self._stack, look.light, gap_mm=look.gap_mm, reflectance=reflectance
+            first = look.light, look.gap_mm
+            if first not in self._first_light:
+                self._first_light[first] = skylight.first_light(self._stack, look.light, gap_mm=look.gap_mm)
+            self._lit[key] = skylight.plate_light(
+                self._stack,
+                look.light,
+                self._first_light[first],
+                gap_mm=look.gap_mm,
+                reflectance=reflectance,
+                ground=ground,
             )
         return self._lit[key]
 
@@ -98,16 +123,25 @@ class Scene:
             camera,
             look.light,
             gap_mm=look.gap_mm,
-            reflectance=reflectance,
+            reflectance=(reflectance, _ground_reflectance(look)),
+            phone=look.phone,
             seed=camera.view.size_px,
         )
 
     @cached_property
-    def _lit(self) -> dict[tuple[Light, float, float], skylight.Brightness]:
+    def _lit(self) -> dict[tuple[Light, float, float, float], skylight.PlateLight]:
         return {}
 
     @cached_property
-    def _shots(self) -> dict[tuple[View, Light, float, float], Shot]:
+    def _seen(self) -> dict[tuple[int, bool, int, int, float], skylight.Brightness]:
+        return {}
+
+    @cached_property
+    def _first_light(self) -> dict[tuple[Light, float], skylight.FirstLight]:
+        return {}
+
+    @cached_property
+    def _shots(self) -> dict[tuple[View, Light, float, float, float, bool], Shot]:
         return {}
 
     @cached_property
@@ -137,6 +171,12 @@ class Scene:
 def _reflectance(look: Look) -> float:
     """The material's reflectance for light that bounces in the holes, as one number."""
     return round(float(np.dot(photo.LUMA, look.material)), 2)
+
+
+def _ground_reflectance(look: Look) -> float:
+    """The ground's, for light that it sends up into the holes: in steps, so that like grounds share their
+    light."""
+    return round(float(np.dot(photo.LUMA, look.ground)) / GROUND_STEP) * GROUND_STEP
 
 
 def _smaller(shot: Shot, factor: int) -> Shot:

@@ -1,168 +1,206 @@
-"""How bright it is inside a perforated plate: light marched layer by layer along a set of directions.
+"""How bright it is inside a perforated plate: on its front, on the walls of its holes, on bars and on the
+ground.
 
-The method of discrete ordinates on a stack of sections. Along each direction the radiance at one depth
-is that of the depth before, shifted by the parallax, wherever the section lets it pass, and the radiance
-of the wall where it does not. A first pass has black walls; every further pass adds one reflection.
+The method of discrete ordinates on a stack of sections. First comes what sky and lamps send, less what the
+phone before the part hides; reflections follow, each a pass of its own, on coarser pictures.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.scan.camera.look import Light
-from perfqr_cad.scan.camera.raster import shift, shrunk, slopes, smooth
-from perfqr_cad.scan.camera.stack import Stack
+from perfqr_cad.scan.camera.marching import Beam, Lit, Picture, Slab, directions
+from perfqr_cad.scan.camera.raster import resized, shrunk
+from perfqr_cad.scan.camera.stack import MARGIN, Stack
 
-Picture = NDArray[np.float32]
-DIRECTIONS = 24  # over the hemisphere
 LEVELS = 6  # depths at which light is marched; it changes smoothly between them
-GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 # Pictures of light need no sharp edges: this many pixels a side, whatever the sections have.
 LIGHT_PX = 256
-REACH_PX = 1.5  # light beside a wall is taken from about this far out
-_TINY = 1e-6
+GLOW_PX = 96  # and reflected light fewer still
+BOUNCES = 4  # worked out one by one
 
 
 @dataclass(frozen=True)
 class Brightness:
-    """Irradiance relative to an open, level face under unit light.
+    """Irradiance of what is seen.
 
-    wall     (K, n, n) on the material seen at each section
+    front    (n, n) on the front face
     ground   (n, n) on the plane behind
-    steps    sections in which material begins that is not in the one before: no view may skip them
+    side     (L, n, n) on side walls at a few levels, `up` (L, n, n) on faces that look at the reader there
+    places   (K,) of each section among the levels
+    ledge    (K, n, n) where material begins that is not in the section before: tops of bars and of steps
+    steps    sections in which it does: no view may skip them
     """
 
-    wall: Picture
+    front: Picture
     ground: Picture
+    side: Picture
+    up: Picture
+    places: NDArray[np.float64]
+    ledge: Sequence[Picture]
     steps: tuple[int, ...]
 
-
-def directions(count: int = DIRECTIONS) -> NDArray[np.float64]:
-    """Unit vectors (count, 3) spread evenly over the upper hemisphere (Fibonacci lattice)."""
-    height = (np.arange(count) + 0.5) / count
-    angle = np.arange(count) * GOLDEN_ANGLE
-    flat = np.sqrt(1 - height**2)
-    return np.stack([flat * np.cos(angle), flat * np.sin(angle), height], axis=1)
-
-
-def brightness(
-    stack: Stack, light: Light, *, gap_mm: float = 0.0, reflectance: float = 0.85, bounces: int = 1
-) -> Brightness:
-    """Light on walls and ground of a plate.
-
-    reflectance is the material's; the ground is taken as black for the reflections.
-    """
-    size = min(LIGHT_PX, stack.pixels)
-    small = {id(m): shrunk(m, (size, size)) for m in stack.material}
-    material = np.stack([small[id(m)] for m in stack.material]) * np.float32(1 / 255)
-    count = len(material)
-    levels = np.unique(np.linspace(0, count - 1, LEVELS).round().astype(int))
-    scene = _Scene(material[levels], stack.depth_mm[levels], size / stack.edge_mm, gap_mm)
-    side, up, ground = scene.gather(_sources(light), np.zeros_like(scene.material))
-    for _ in range(bounces):
-        side, up, ground = scene.gather(_sources(light), np.float32(reflectance) * side)
-    above = np.concatenate([np.zeros_like(material[:1]), material[:-1]])
-    ledge = np.clip(material - above, 0, 1)  # tops of recessed bars and of steps, at their own section
-    wall = _between(side, levels, count)
-    # A ledge is lit as at the level over it: at the next one it stands in its own shadow.
-    wall += ledge * (up[np.searchsorted(levels, np.arange(count), "right") - 1] - wall)
-    wall.setflags(write=False)
-    ground.setflags(write=False)
-    steps = tuple(int(k) for k in range(1, count) if ledge[k].max() > 0.5)
-    return Brightness(wall, ground, steps)
-
-
-def _between(pictures: Picture, levels: NDArray[np.integer], count: int) -> Picture:
-    """Pictures at some of `count` sections, interpolated linearly to all of them."""
-    at = np.interp(np.arange(count), levels, np.arange(len(levels)))
-    lower = np.minimum(np.floor(at).astype(int), max(len(levels) - 2, 0))
-    upper = np.minimum(lower + 1, len(levels) - 1)
-    part = (at - lower).astype(np.float32)[:, None, None]
-    return (pictures[lower] * (1 - part) + pictures[upper] * part).astype(np.float32)
-
-
-def _sources(light: Light) -> list[tuple[NDArray[np.float64], float, float]]:
-    """(direction, radiance, weight); weight x radiance x cosine adds up to the irradiance of a face."""
-    sky = directions()
-    # Sum of cosines over the lattice, so that an open level face gets exactly `ambient`.
-    weight = 1 / float(sky[:, 2].sum())
-    return [(d, light.ambient, weight) for d in sky] + [(light.lamp_direction, light.lamp, 1.0)]
+    def wall(self, section: int) -> Picture:
+        """Irradiance (n, n) on the material that begins to be seen at a section."""
+        place = float(self.places[section])
+        lower = min(int(place), max(len(self.side) - 2, 0))
+        upper = min(lower + 1, len(self.side) - 1)
+        part = np.float32(place - lower)
+        wall = self.side[lower] + part * (self.side[upper] - self.side[lower])
+        # A ledge is lit as at the level over it: at the next one it stands in its own shadow.
+        over = self.up[int(place)]
+        return np.asarray(wall + self.ledge[section] * (over - wall), np.float32)
 
 
 @dataclass(frozen=True)
-class _Scene:
-    material: Picture
-    depth_mm: NDArray[np.float64]
-    px_per_mm: float
+class PlateLight:
+    """All light on a plate, without the phone before it; what a phone hides is taken off view by view.
+
+    stack, light, gap_mm   what it was worked out for
+    front                  (n, n) on the open front
+    first, reflected       straight from sky and lamps; by all reflections
+    ledge                  as in `Brightness`
+    """
+
+    stack: Stack
+    light: Light
     gap_mm: float
+    front: Picture
+    first: Lit
+    reflected: Lit
+    ledge: Sequence[Picture]
 
-    def gather(
-        self, sources: list[tuple[NDArray[np.float64], float, float]], glow: Picture
-    ) -> tuple[Picture, Picture, Picture]:
-        """Irradiance on side walls, level tops (K, n, n) and the ground (n, n); walls glow by `glow`."""
-        shape = self.material.shape
-        # Irradiance of faces that look along +x, -x, +y, -y and up, at every section.
-        cube = np.zeros((5, *shape), np.float32)
-        ground = np.zeros(shape[1:], np.float32)
-        for direction, radiance, weight in sources:
-            facing = [direction[0], -direction[0], direction[1], -direction[1], direction[2]]
-            shares = [(face, np.float32(weight * c)) for face, c in enumerate(facing) if c > 0]
-            for k, seen in self._downwards(direction, radiance, glow):
-                if k == shape[0]:
-                    ground += np.float32(weight * direction[2]) * seen
-                else:
-                    for face, share in shares:
-                        cube[face, k] += share * seen
-            if weight < 1:  # a patch of sky has its mirror image below, where only walls glow
-                below = direction * [1, 1, -1]
-                for k, seen in self._upwards(below, glow):
-                    for face, share in shares[:-1]:
-                        cube[face, k] += share * seen
-        return *self._on_walls(cube), ground
+    def seen(self, hidden: NDArray[np.float64] | None = None) -> Brightness:
+        """The light of a view; `hidden` are shares of the `towards` that the phone covers."""
+        front, lit = self.front, self.first.plus(self.reflected)
+        if hidden is not None and hidden.any():
+            off = first_light(self.stack, self.light, gap_mm=self.gap_mm, shares=hidden, pixels=GLOW_PX)
+            share = float(off.front.sum() / len(off.front) ** 2 / self.front.mean())
+            front = front - resized(off.front, len(front))
+            lit = self.first.plus(off.lit.sized(len(front)).times(-1.0)).plus(self.reflected.times(1 - share))
+        count = len(self.ledge)
+        places = np.interp(np.arange(count), _levels(count), np.arange(len(_levels(count))))
+        steps = tuple(k for k in range(1, count) if float(self.ledge[k].max()) > 0.5)
+        return Brightness(front, lit.ground, lit.side, lit.up, places, self.ledge, steps)
 
-    def _downwards(
-        self, direction: NDArray[np.float64], radiance: float, glow: Picture
-    ) -> Iterator[tuple[int, Picture]]:
-        """Radiance that arrives from above at each section, and last at the ground."""
-        depth = np.append(self.depth_mm, self.depth_mm[-1] + self.gap_mm)
-        seen = np.full(self.material.shape[1:], radiance, np.float32)
-        yield 0, seen
-        for k in range(1, len(depth)):
-            passed = seen + self.material[k - 1] * (glow[k - 1] - seen)
-            seen = self._shift(passed, direction, depth[k] - depth[k - 1], radiance)
-            yield k, seen
 
-    def _upwards(self, direction: NDArray[np.float64], glow: Picture) -> Iterator[tuple[int, Picture]]:
-        """Radiance that arrives from below at each section, above a black ground."""
-        last = len(self.depth_mm) - 1
-        seen = np.zeros(self.material.shape[1:], np.float32)
-        for k in range(last - 1, -1, -1):
-            passed = seen + self.material[k + 1] * (glow[k + 1] - seen)
-            seen = self._shift(passed, direction, self.depth_mm[k] - self.depth_mm[k + 1], 0.0)
-            yield k, seen
+@dataclass(frozen=True)
+class FirstLight:
+    """Light that comes straight from sky and lamps: on the open front (n, n), and on all faces of a plate."""
 
-    def _shift(
-        self, picture: Picture, towards: NDArray[np.float64], step_mm: float, open_sky: float
-    ) -> Picture:
-        """What a point sees one step away along a direction: the picture moved by the parallax."""
-        reach = step_mm * self.px_per_mm / towards[2]
-        return shift(picture, reach * towards[0], -reach * towards[1], open_sky)
+    front: Picture
+    lit: Lit
 
-    def _on_walls(self, cube: Picture) -> tuple[Picture, Picture]:
-        """Irradiance of the material's own faces, from that of the free space beside them."""
-        side, up = np.empty_like(self.material), np.empty_like(self.material)
-        for k, material in enumerate(self.material):
-            free = 1 - material
-            share = smooth(free, REACH_PX) + _TINY
-            beside = [smooth(face[k] * free, REACH_PX) / share for face in cube[:4]]
-            right, down = slopes(smooth(material, 1.0))
-            size = right**2 + down**2 + _TINY
-            # The wall looks away from the material: against the gradient. Rows run downwards, y upwards.
-            side[k] = np.where(right < 0, beside[0], beside[1]) * (right**2 / size)
-            side[k] += np.where(down > 0, beside[2], beside[3]) * (down**2 / size)
-            up[k] = cube[4, k]
-        return side, up
+
+def towards(light: Light) -> NDArray[np.float64]:
+    """Unit vectors (k, 3) to all that shines: patches of sky, then lamps."""
+    return np.concatenate([directions(), light.lamp_directions])
+
+
+def first_light(
+    stack: Stack,
+    light: Light,
+    *,
+    gap_mm: float,
+    shares: NDArray[np.float64] | None = None,
+    pixels: int = LIGHT_PX,
+) -> FirstLight:
+    """Light of sky and lamps before any reflection, or of shares of them. It depends on no reflectance."""
+    slab = _slab(stack, pixels, gap_mm)
+    sources = _sources(light, len(slab.material[0]), shares)
+    return FirstLight(_on_open(sources), slab.gather(sources, slab.dark))
+
+
+def plate_light(
+    stack: Stack, light: Light, first: FirstLight, *, gap_mm: float, reflectance: float, ground: float
+) -> PlateLight:
+    """All light, from the first: the tail of the series of reflections is taken as a geometric one.
+
+    reflectance   of the material
+    ground        reflectance of the ground, which sends light up through the holes and the slots
+    """
+    slab = _slab(stack, GLOW_PX, gap_mm)
+    sky = [source.dark for source in _sky(1.0, len(slab.material[0]))]
+    step = first.lit.sized(len(slab.material[0]))
+    total: Lit | None = None
+    before = step
+    for _ in range(BOUNCES):
+        sent = slab.sent(step, reflectance, ground)
+        before, step = step, slab.gather(sky, sent)
+        total = step if total is None else total.plus(step)
+    assert total is not None
+    reflected = total.plus(step.continued(before)).sized(len(first.front))
+    return PlateLight(stack, light, gap_mm, first.front, first.lit, reflected, _ledges(stack))
+
+
+def brightness(
+    stack: Stack, light: Light, *, gap_mm: float = 0.0, reflectance: float = 0.85, ground: float = 0.0
+) -> Brightness:
+    """Light on front, walls and ground of a plate, with all reflections between them and no phone."""
+    first = first_light(stack, light, gap_mm=gap_mm)
+    return plate_light(stack, light, first, gap_mm=gap_mm, reflectance=reflectance, ground=ground).seen()
+
+
+def open_face(light: Light, hidden: NDArray[np.float64] | None = None) -> Brightness:
+    """Light on a level face that nothing shades but the phone."""
+    front = _on_open(_sources(light, GLOW_PX, None if hidden is None else 1 - hidden))
+    return Brightness(front, front, front[None], front[None], np.zeros(1), [np.zeros_like(front)], ())
+
+
+def _on_open(sources: Sequence[Beam]) -> Picture:
+    """Irradiance (n, n) of an open, level face."""
+    return np.sum([np.float32(s.weight * s.direction[2]) * s.radiance for s in sources], axis=0)
+
+
+def _sources(light: Light, size: int, shares: NDArray[np.float64] | None) -> list[Beam]:
+    """The sky's directions and the lamps', for pictures of `size` pixels over a plate; those that shine."""
+    across = (np.arange(size) - (size - 1) / 2) / size * MARGIN
+    points = np.stack(np.meshgrid(across, -across), axis=-1)
+    found = _sky(light.ambient, size)
+    for direction in light.lamp_directions:
+        radiance = light.lamp / light.lamp_sides * light.fall_off(direction, points)
+        found.append(Beam(direction, radiance.astype(np.float32), 1.0, False))
+    if shares is not None:
+        found = [source.dimmed(float(share)) for source, share in zip(found, shares, strict=True)]
+    return [source for source in found if source.radiance.any()]
+
+
+def _sky(ambient: float, size: int) -> list[Beam]:
+    """Patches of an even sky that gives an open level face exactly `ambient`."""
+    sky = directions()
+    weight = 1 / float(sky[:, 2].sum())
+    even = np.full((size, size), ambient, np.float32)
+    return [Beam(direction, even, weight, True) for direction in sky]
+
+
+def _slab(stack: Stack, pixels: int, gap_mm: float) -> Slab:
+    """The plate in pictures of some size at a few levels."""
+    size, levels = min(pixels, stack.pixels), _levels(len(stack.material))
+    small = {id(m): shrunk(m, (size, size)) for m in (stack.material[k] for k in levels)}
+    material = np.stack([small[id(stack.material[k])] for k in levels]) * np.float32(1 / 255)
+    return Slab(material, stack.depth_mm[levels], size / stack.edge_mm, gap_mm)
+
+
+def _ledges(stack: Stack) -> list[Picture]:
+    """Where each section has material that the one before has not (n, n); neighbours that are one have
+    none."""
+    size = min(LIGHT_PX, stack.pixels)
+    small = {id(m): shrunk(m, (size, size)).astype(np.float32) / np.float32(255) for m in stack.material}
+    none = np.zeros((size, size), np.float32)
+    pairs = zip((None, *stack.material[:-1]), stack.material, strict=True)
+    return [
+        none
+        if before is now
+        else np.clip(small[id(now)] - (none if before is None else small[id(before)]), 0, 1)
+        for before, now in pairs
+    ]
+
+
+def _levels(count: int) -> NDArray[np.intp]:
+    """Indices of the sections at which light is marched."""
+    return np.unique(np.linspace(0, count - 1, LEVELS).round().astype(np.intp))

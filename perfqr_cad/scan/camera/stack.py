@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 # Sections are cut this far inside the end faces, as a part of the thickness: a cut in a face is undefined.
 END_INSET = 1e-4
+MARGIN = 1.08  # sections reach this far beyond the part, so that its outer walls have lit air beside them
 UPRIGHT = 1e-6  # walls lean by less than this (sine) when all sections between two levels are the same
 
 

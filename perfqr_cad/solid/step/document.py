@@ -1,4 +1,4 @@
-"""The product structure around solids: units, names, colours, layers, an assembly of several (ISO
+"""The product structure around solids: units, names, colours, layers, measures, an assembly of several (ISO
 10303-242)."""
 
 from __future__ import annotations
@@ -7,17 +7,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from perfqr_cad.solid.step.text import PROTOCOL, UNIT_DIGITS, Part21, reals, refs, text
+from perfqr_cad.solid.step.validation import Measures, Validation
 
 UNCERTAINTY = "1.E-06"  # mm: vertices and edges meet within it
 
 
 @dataclass(frozen=True)
 class StepBody:
-    """A solid already written: its entity, name, sRGB colour, and the representation that holds it."""
+    """A solid already written: its entity, name, sRGB colour, what is measured on it, and the representation
+    that holds it."""
 
     entity: int
     name: str
     colour: tuple[float, float, float]
+    measures: Measures
     representation: str = "ADVANCED_BREP_SHAPE_REPRESENTATION"
 
 
@@ -37,7 +40,8 @@ class Document:
         add(f"APPLICATION_PROTOCOL_DEFINITION('international standard','{protocol}',{year},#{application})")
         self._mechanical = add(f"PRODUCT_CONTEXT('',#{application},'mechanical')")
         self._design = add(f"PRODUCT_DEFINITION_CONTEXT('part definition',#{application},'design')")
-        self._space = self._units()
+        length, self._space = self._units()
+        self._validation = Validation(part, length, self._space)
         origin = part.shared("CARTESIAN_POINT('',(0.,0.,0.))")
         z, x = part.shared("DIRECTION('',(0.,0.,1.))"), part.shared("DIRECTION('',(1.,0.,0.))")
         self._axes = lambda: add(f"AXIS2_PLACEMENT_3D('',#{origin},#{z},#{x})")
@@ -58,7 +62,8 @@ class Document:
         for (name, part), place in zip(parts, places, strict=True):
             self._use(assembly, part, name, place)
 
-    def _units(self) -> int:
+    def _units(self) -> tuple[int, int]:
+        """The unit of lengths, and the context that all shapes lie in."""
         add = self._add
         length = add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")
         angle = add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")
@@ -67,18 +72,19 @@ class Document:
             f"UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({UNCERTAINTY}),#{length},"
             "'distance_accuracy_value','confusion accuracy')"
         )
-        return add(
+        context = add(
             f"(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#{within}))"
             f"GLOBAL_UNIT_ASSIGNED_CONTEXT((#{length},#{angle},#{solid_angle}))REPRESENTATION_CONTEXT('3D','3D'))"
         )
+        return length, context
 
     def _part(self, body: StepBody, product: str) -> _Product:
         shape = self._add(
             f"{body.representation}({text(body.name)},(#{self._root},#{body.entity}),#{self._space})"
         )
-        return self._product(product, shape)
+        return self._product(product, shape, body.measures)
 
-    def _product(self, name: str, shape: int) -> _Product:
+    def _product(self, name: str, shape: int, measures: Measures | None = None) -> _Product:
         add = self._add
         product = add(f"PRODUCT({text(name)},{text(name)},'',(#{self._mechanical}))")
         add(f"PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,(#{product}))")
@@ -86,6 +92,8 @@ class Document:
         definition = add(f"PRODUCT_DEFINITION('design','',#{formation},#{self._design})")
         shape_of = add(f"PRODUCT_DEFINITION_SHAPE('','',#{definition})")
         add(f"SHAPE_DEFINITION_REPRESENTATION(#{shape_of},#{shape})")
+        if measures is not None:
+            self._validation.write(shape_of, measures)
         return _Product(definition, shape)
 
     def _use(self, assembly: _Product, part: _Product, name: str, place: int) -> None:

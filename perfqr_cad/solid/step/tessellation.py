@@ -6,6 +6,7 @@ from perfqr_cad.errors import KernelError
 from perfqr_cad.solid.shape import Solid
 from perfqr_cad.solid.step.document import StepBody
 from perfqr_cad.solid.step.text import Part21, reals, text
+from perfqr_cad.solid.step.validation import measured
 
 REPRESENTATION = "TESSELLATED_SHAPE_REPRESENTATION"
 
@@ -20,4 +21,4 @@ def tessellated(part: Part21, solid: Solid) -> StepBody:
     coordinates = part.add(f"COORDINATES_LIST('',{len(vertices)},({points}))")
     face = part.add(f"TRIANGULATED_FACE('',#{coordinates},{len(vertices)},(),$,(),({corners}))")
     body = part.add(f"TESSELLATED_SOLID({text(solid.name)},(#{face}),$)")
-    return StepBody(body, solid.name, solid.colour, REPRESENTATION)
+    return StepBody(body, solid.name, solid.colour, measured(solid), REPRESENTATION)

@@ -9,6 +9,7 @@ from perfqr_cad.solid.step.document import Document, StepBody
 from perfqr_cad.solid.step.tessellation import tessellated
 from perfqr_cad.solid.step.text import Part21
 from perfqr_cad.solid.step.topology import Topology
+from perfqr_cad.solid.step.validation import measured
 
 
 def write_step(solid: Solid, path: str | Path, *, product: str | None = None) -> None:
@@ -24,7 +25,9 @@ def write_step(solid: Solid, path: str | Path, *, product: str | None = None) ->
         if body.brep is None:
             written.append(tessellated(part, body))
         else:
-            written.append(StepBody(topology.solid(body.brep, body.name), body.name, body.colour))
+            written.append(
+                StepBody(topology.solid(body.brep, body.name), body.name, body.colour, measured(body))
+            )
     title = product or solid.name
     document.write(written, title)
     Path(path).write_text(part.file(f"{title}.step", title), "ascii")

@@ -11,8 +11,25 @@ backing = 1; // [0:0.1:10]
 // Gap before that plate, mm
 gap = 0.2; // [0:0.1:10]
 
+perforated_qr(size, thickness, relief, backing, gap);
+
+// The part about the middle of the code, its back at z = 0. In other files: use <this file>, then
+// perforated_qr(size = ...);
+module perforated_qr(size = 12, thickness = 1.5, relief = 0.4, backing = 1, gap = 0.2) {
+    color([0.92,0.92,0.9]) difference() {
+        union() {
+            linear_extrude(height = thickness, convexity = 10) pattern(size);
+            if (relief > 0)
+                translate([0, 0, thickness]) linear_extrude(height = relief) letters(size);
+        }
+        if (relief < 0)
+            translate([0, 0, thickness + relief]) linear_extrude(height = 1 - relief) letters(size);
+    }
+    if (backing > 0)
+        color([0.05,0.05,0.06]) translate([0, 0, -gap - backing]) linear_extrude(height = backing) plate(size);
+}
+
 /* [Hidden] */
-drawn_size = 12;
 pattern_points = [
   [-6,-4],[6,-4],[6,3],[5.9659258,3.258819],[5.8660254,3.5],[5.7071068,3.7071068],
   [5.5,3.8660254],[5.258819,3.9659258],[5,4],[-6,4],[-1.75,1],[-1.789271,0.6891376],
@@ -28,8 +45,8 @@ pattern_paths = [
   [0,1,2,3,4,5,6,7,8,9],[10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32,33,34],[35,36,37,38,39,40,41,42,43,44,45,46,47,48,49]
 ];
 
-module pattern() {
-    scale(size / drawn_size) polygon(pattern_points, pattern_paths, convexity = 10);
+module pattern(size = 12) {
+    scale(size / 12) polygon(pattern_points, pattern_paths, convexity = 10);
 }
 
 plate_points = [
@@ -44,8 +61,8 @@ plate_paths = [
   [0,1,2,3,4,5,6,7,8,9],[10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32,33,34]
 ];
 
-module plate() {
-    scale(size / drawn_size) polygon(plate_points, plate_paths, convexity = 10);
+module plate(size = 12) {
+    scale(size / 12) polygon(plate_points, plate_paths, convexity = 10);
 }
 
 letters_points = [
@@ -56,16 +73,6 @@ letters_paths = [
   [0,1,2,3],[4,5,6,7]
 ];
 
-module letters() {
-    scale(size / drawn_size) polygon(letters_points, letters_paths, convexity = 10);
+module letters(size = 12) {
+    scale(size / 12) polygon(letters_points, letters_paths, convexity = 10);
 }
-
-color([0.92,0.92,0.9]) difference() {
-    union() {
-        linear_extrude(height = thickness, convexity = 10) pattern();
-        if (relief > 0) translate([0, 0, thickness]) linear_extrude(height = relief) letters();
-    }
-    if (relief < 0) translate([0, 0, thickness + relief]) linear_extrude(height = 1 - relief) letters();
-}
-
-if (backing > 0) color([0.05,0.05,0.06]) translate([0, 0, -gap - backing]) linear_extrude(height = backing) plate();

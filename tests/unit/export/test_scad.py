@@ -56,6 +56,45 @@ def test_parameters_act(plate, tmp_path):
     assert mesh.volume == pytest.approx(plate.pattern.region.area * 4 * 3 + outer, rel=2e-3)
 
 
+def used(folder, call):
+    """What another file makes of the part's module."""
+    (folder / "other.scad").write_text(f"use <part.scad>\n{call}\n")
+    command = ["openscad", "-q", "-o", "other.stl", "other.scad"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, cwd=folder)
+    return trimesh.load_mesh(folder / "other.stl") if done.returncode == 0 else None
+
+
+@OPENSCAD
+def test_another_file_uses_the_module_in_a_size_of_its_own(plate, tmp_path):
+    scad.write(plate.with_backing(), tmp_path / "part.scad")
+    mesh = used(tmp_path, "perforated_qr(size = 40, thickness = 3, backing = 0);")
+    assert mesh.is_watertight
+    assert mesh.bounds == pytest.approx(np.array([[-20, -10, 0], [20, 10, 3]]))
+    assert mesh.volume == pytest.approx(plate.pattern.region.area * 4 * 3, rel=2e-3)
+    drawn = used(tmp_path, "perforated_qr();")
+    assert drawn.bounds == pytest.approx(np.array([[-10, -5, -1], [10, 5, 2]]))
+    assert used(tmp_path, "perforated_code();") is None  # no such module: the check can fail
+
+
+@OPENSCAD
+def test_a_flat_part_with_flared_holes_takes_size_and_thickness(plate, tmp_path):
+    flared = replace(plate, solid=replace(plate.solid, volume_mm3=0.9 * plate.solid.volume_mm3))
+    scad.write(flared.with_backing(), tmp_path / "part.scad")
+    text = (tmp_path / "part.scad").read_text()
+    assert "polyhedron(" in text
+    assert "\nthickness = 2; // [0.2:0.1:20]\n" in text
+    mesh = used(tmp_path, "perforated_qr(size = 40, thickness = 3, backing = false);")
+    assert mesh.bounds == pytest.approx(np.array([[-20, -10, 0], [20, 10, 3]]))
+    assert mesh.volume == pytest.approx(plate.solid.triangles.volume_mm3 * 4 * 1.5, rel=1e-5)
+
+
+def test_a_curved_part_has_a_size_and_no_thickness(wrapped, tmp_path):
+    scad.write(wrapped, tmp_path / "part.scad")
+    text = (tmp_path / "part.scad").read_text()
+    assert "module perforated_qr(size = " in text
+    assert "thickness" not in text
+
+
 @OPENSCAD
 def test_curved_part_is_a_polyhedron(wrapped, tmp_path):
     scad.write(wrapped, tmp_path / "part.scad")

@@ -9,6 +9,7 @@ import pytest
 import trimesh
 
 from perfqr_cad import export
+from perfqr_cad.errors import DesignError
 from perfqr_cad.export import stl
 from perfqr_cad.geometry import Triangles
 
@@ -87,3 +88,36 @@ def test_prusa_slicer_slices_without_a_warning(code, tmp_path, name):
     assert "warning" not in said
     assert "error" not in said
     assert (tmp_path / "part.gcode").stat().st_size > 10_000
+
+
+def test_split_gives_each_body_a_file_where_it_lies(plate, tmp_path):
+    records = export.write_outputs(
+        plate.with_backing(), [tmp_path / "part.stl"], export.Options(split_stl=True)
+    )
+    assert [record.path.rsplit("/")[-1] for record in records] == ["part.stl", "part-backing.stl"]
+    assert all(record.remarks == "" for record in records)
+    part, backing = (trimesh.load_mesh(record.path) for record in records)
+    assert part.bounds[:, 2] == pytest.approx([0, 2])
+    assert backing.bounds[:, 2] == pytest.approx([-1, 0])
+    assert backing.is_watertight
+    assert backing.volume == pytest.approx(200.0, rel=1e-6)
+
+
+def test_without_split_the_backing_is_left_out_and_named(plate, tmp_path):
+    [record] = export.write_outputs(plate.with_backing(), [tmp_path / "part.stl"])
+    assert record.leaves_out == ("the backing",)
+    assert [path.name for path in tmp_path.iterdir()] == ["part.stl"]
+
+
+def test_bodies_of_one_name_get_files_of_their_own(plate, tmp_path):
+    solid = plate.with_backing().solid
+    twice = replace(solid, extras=(solid.extras[0], replace(solid.extras[0], name="backing/")))
+    names = [path.name for path in stl.further(replace(plate, solid=twice), tmp_path / "a.stl")]
+    assert names == ["a-backing.stl", "a-backing-2.stl"]
+
+
+def test_a_name_that_splitting_would_take_twice_is_refused(plate, tmp_path):
+    wanted = [tmp_path / "a.stl", tmp_path / "a-backing.stl"]
+    with pytest.raises(DesignError, match=r"a-backing\.stl would be written twice"):
+        export.write_outputs(plate.with_backing(), wanted, export.Options(split_stl=True))
+    assert not list(tmp_path.iterdir())

@@ -27,6 +27,7 @@ OTHER: dict[str, Any] = {
     "load": "push",
     "colour": "red",
     "ground": "white",
+    "legibility": "0.5",
     "require": "zbar",
     "freedom": "mask",
     "gs1_link": "example.com",
@@ -43,10 +44,10 @@ BESIDE: dict[str, dict[str, Any]] = {  # what lets it take part, as captions sta
 }
 # Where settings act that no layer's terms hold: the chain itself and the files.
 ELSEWHERE = {
-    **dict.fromkeys((*SOURCES, "gs1_link", "no_eci", "freedom"), "the symbol"),
+    **dict.fromkeys((*SOURCES, "gs1_link", "no_eci", "freedom", "legibility"), "the symbol"),
     **dict.fromkeys(("which", "level", "version", "mask"), "the symbol"),
     **dict.fromkeys(("thickness", "mirror"), "where it is carved"),
-    **dict.fromkeys(("verify_solid", "require", "accept_weak", "accept_unread"), "what is checked"),
+    **dict.fromkeys(("verify_solid", "require", "grade", "accept_weak", "accept_unread"), "what is checked"),
     **dict.fromkeys(("dxf", "dxf_bridges", "svg"), "the files"),
     "method": "how strength is sought",
 }

@@ -14,6 +14,8 @@ from perfqr_cad.pipeline.held import advised, require_borne, require_known, requ
 from perfqr_cad.pipeline.promises import promises, require_kept
 from perfqr_cad.pipeline.request import Request
 from perfqr_cad.scan import DecoderResult, ScanReport
+from perfqr_cad.scan.grade import Grade, SymbolGrade
+from perfqr_cad.scan.grade.fixed import FixedPatterns
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +57,31 @@ def test_a_part_that_is_not_read_as_asked(settings: dict, limits_deg: dict, says
 def test_two_engines_are_enough_where_nothing_is_asked() -> None:
     require_read(Request("a"), report(zbar=0, wechat=0, opencv=None))
     require_read(Request("a", scan_tilt_deg=20.0, require="zbar"), report(zbar=20, wechat=40))
+
+
+def graded_report(overall: float) -> ScanReport:
+    fixed = FixedPatterns({"A1": overall}, {"A1": 0})
+    grade = Grade("ISO/IEC 15415:2024", 0.8, 2.0, {}, {"fixed pattern damage": overall}, fixed)
+    found = report(zbar=20, wechat=20)
+    return replace(found, grade=SymbolGrade({"dark": (grade, grade)}))
+
+
+def test_a_grade_that_was_asked_for_must_be_held() -> None:
+    require_read(Request("a", grade="B"), graded_report(2.5))
+    require_read(Request("a"), graded_report(0.0))  # told, not refused, where none is asked for
+    with pytest.raises(UnreadError, match=r"grade 2\.4 \(C\) before dark, limited by fixed pattern damage"):
+        require_read(Request("a", grade="B"), graded_report(2.4))
+    require_read(Request("a", grade="B", accept_unread=True), graded_report(2.4))
+
+
+def test_bars_are_chosen_for_a_grade() -> None:
+    made = make(text="HELLO 123", size_mm=100, grade="B", ground="black")
+    assert made.request.finder == "panel"
+    assert made.scan.grade is not None
+    assert made.scan.grade.counted.overall >= 2.5
+    assert "grade " in made.summary()
+    assert made.certificate()["scan"]["grade"]["status"] == "simulated, not verified"
+    assert make(text="HELLO 123", size_mm=100, ground="black").request.finder == "recessed"
 
 
 def test_a_decoder_that_is_not_here_is_named() -> None:

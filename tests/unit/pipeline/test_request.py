@@ -11,9 +11,10 @@ from perfqr_cad.export.svg import SvgVariant
 from perfqr_cad.pattern.spec import CHOICES as SPEC_CHOICES
 from perfqr_cad.pipeline.chain import make
 from perfqr_cad.pipeline.parameter import Parameter
-from perfqr_cad.pipeline.request import SETTINGS, Request
+from perfqr_cad.pipeline.request import CUT, SETTINGS, Request
 from perfqr_cad.pipeline.resolve import DRAFT_DEG, LIP_MM, Terms, resolve
 from perfqr_cad.pipeline.setting import GROUPS
+from perfqr_cad.profile.sheets import CUTTING
 from perfqr_cad.remedy import UNITS
 from perfqr_cad.scan import FULL, QUICK
 from perfqr_cad.scan.colours import BACKGROUNDS, FILAMENTS
@@ -81,6 +82,8 @@ def test_the_choices_are_those_that_the_layers_know() -> None:
     assert by_name.pop("dxf") == list(get_args(DxfVersion))
     assert by_name.pop("svg") == list(get_args(SvgVariant))
     assert by_name.pop("caption_place") == ["bottom", "top"]
+    assert tuple(CUTTING) == CUT
+    assert by_name.pop("process") == ["fdm", "resin", *CUTTING]
     assert by_name == {"method": ["optimal", "paper"]}
 
 

@@ -38,7 +38,7 @@ def test_a_light_bar_breaks_the_ring(dark):
     elsewhere[0, 1] = False
     barred[-7, 1] = False
     assert legible(barred, 1.0, 0.0).ring > 0.5 > legible(dark, 1.0, 0.0).ring
-    assert legible(elsewhere, 1.0, 0.0).ring == legible(dark, 1.0, 0.0).ring
+    assert legible(elsewhere, 1.0, 0.0).ring == pytest.approx(legible(dark, 1.0, 0.0).ring, rel=1e-3)
 
 
 def test_a_symbol_that_is_too_large_is_refused(dark):
