@@ -86,10 +86,6 @@ NEEDED: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("caption_height_mm", "caption_place", "caption_relief_mm", "font"), LETTERS),
     **dict.fromkeys(("method", "accept_weak"), {"load": "push=0.1"}),
 }
-    "caption": {"frame_mm": 12.0},
-    "hole_mm": {"frame_mm": 8.0},
-    "gs1_link": {"gs1": "(01)09506000134352"},
-}
 FORGOTTEN = 0.2
 
 
