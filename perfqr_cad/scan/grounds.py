@@ -110,7 +110,7 @@ def in_words(results: tuple[GroundResult, ...], readers: int) -> str:
     said = [f"reads on {', '.join(well)}"] if well else []
     said += [f"in part on {', '.join(partly)}"] if partly else []
     if never:
-        said.append(f"not before {', '.join(never)}: add --backing, or paint what is behind it dark")
+        said.append(f"not before {', '.join(never)}: add a backing, or paint what is behind it dark")
     return "; ".join(said)
 
 

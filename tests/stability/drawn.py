@@ -84,7 +84,7 @@ NEEDED: dict[str, dict[str, Any]] = {
     "gs1_link": {"gs1": "(01)09506000134352"},
     "gap_mm": {"backing_mm": 1.0},
     **dict.fromkeys(("caption_height_mm", "caption_place", "caption_relief_mm", "font"), LETTERS),
-    **dict.fromkeys(("method", "accept_weak"), {"load": "push=0.1"}),
+    **{key: {"load": "push=0.1"} for key in ("method", "accept_weak")},
 }
 FORGOTTEN = 0.2
 
