@@ -145,14 +145,14 @@ def makeable(request: Request, *, plate: bool) -> Request:
 
 def _least_sizes(request: Request) -> dict[str, Any]:
     """Fields of the pattern's spec that a cutter sets, or a nozzle."""
-    from perfqr_cad.profile.sheets import CUTTING
+    from perfqr_cad.profile.sheets import CUTTING, HOLE_KERFS
 
     way = CUTTING.get(request.process)
     if way is None:
         return {"fillet_mm": request.fillet_mm}
     return {
         "min_web_mm": way.least_web_mm(request.thickness_mm, request.material),
-        "min_gap_mm": max(way.gap_mm, request.kerf_mm),
+        "min_gap_mm": max(way.gap_mm, HOLE_KERFS * request.kerf_mm),
         "fillet_mm": max(request.fillet_mm or 0.0, way.corner_mm, request.kerf_mm / 2),
     }
 
