@@ -14,7 +14,7 @@ from perfqr_cad.scan.camera.look import BLACK, RGB, Light, Look
 ROOM = Light()
 # A desk lamp beside the part, in a room that is rather dark.
 LOW_LAMP = Light(ambient=0.2, lamp=1.0, lamp_elevation_deg=35.0, lamp_distance=1.5)
-DARKEN = "add --backing, or paint what is behind it dark"
+DARKEN = "add a backing, or paint what is behind it dark"
 LIGHTEN = "a dark part wants a light ground some millimetres behind it, or a thinner plate"
 GRAIN_MM = 60.0  # edge of a tile of wood
 
