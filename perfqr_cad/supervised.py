@@ -54,6 +54,11 @@ def run(work: Callable[[], int]) -> int:
     return os.WEXITSTATUS(status)
 
 
+def is_child() -> bool:
+    """Whether this process works for a supervisor, which takes interrupts at the keyboard in its stead."""
+    return _is_child
+
+
 def give_up(line: str, code: int) -> None:
     """End the program with a last line, from code that lets no exception through; nothing happens where the
     process is not that of the command, but of a program that uses this package."""

@@ -51,7 +51,9 @@ def run(path: Path, values: Mapping[str, Value], timeout_s: float) -> Design:
         raise
     except _TooLong:
         raise TemplateError(too_long) from None
-    except SystemExit as error:
+    except (SystemExit, KeyboardInterrupt) as error:
+        if isinstance(error, KeyboardInterrupt) and not supervised.is_child():
+            raise  # somebody's own
         raise TemplateError(f"{path.name}{_line(path, error)} ends the program: return a Design") from error
     except Exception as error:
         raise TemplateError(f"{path.name}{_line(path, error)}: {type(error).__name__}: {error}") from error

@@ -22,6 +22,7 @@ CHORD_SHARE = 1e-5  # of the diagonal: on a very large solid the mesh is coarser
 TURN_RAD = 0.15  # greatest turn between neighbouring facets
 # Nodes on a shared edge agree to the kernel's tolerance (1e-7 mm); on sloppy imports to about this.
 WELD_MM = 1e-5
+LEAST_FACING = 0.1  # length of the mean normal of a face that faces one side more than the others
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,14 @@ class Body:
         a, b, c = np.moveaxis(self.triangles.vertices[self.triangles.faces[triangle]], 1, 0)
         points = a + u[:, None] * (b - a) + v[:, None] * (c - a)
         return points, self._normals_at(triangle, points), self.face_of[triangle]
+
+    def middle_of(self, face: int) -> Array | None:
+        """The centroid (3,) of a face's surface; None where that looks to all sides, as round a pipe."""
+        own = self.face_of == face
+        weight = self.areas_mm2[own] / self.areas_mm2[own].sum()
+        if np.linalg.norm(weight @ self.facet_normals[own]) < LEAST_FACING:
+            return None
+        return weight @ self.triangles.vertices[self.triangles.faces[own]].mean(axis=1)
 
     def _normals_at(self, triangle: Indices, at: Array) -> Array:
         """Corner normals interpolated at points of triangles."""

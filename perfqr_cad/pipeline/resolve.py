@@ -145,14 +145,14 @@ def makeable(request: Request, *, plate: bool) -> Request:
 
 def _least_sizes(request: Request) -> dict[str, Any]:
     """Fields of the pattern's spec that a cutter sets, or a nozzle."""
-    from perfqr_cad.profile.sheets import CUTTING
+    from perfqr_cad.profile.sheets import CUTTING, HOLE_KERFS
 
     way = CUTTING.get(request.process)
     if way is None:
         return {"fillet_mm": request.fillet_mm}
     return {
         "min_web_mm": way.least_web_mm(request.thickness_mm, request.material),
-        "min_gap_mm": max(way.gap_mm, request.kerf_mm),
+        "min_gap_mm": max(way.gap_mm, HOLE_KERFS * request.kerf_mm),
         "fillet_mm": max(request.fillet_mm or 0.0, way.corner_mm, request.kerf_mm / 2),
     }
 
@@ -251,13 +251,12 @@ def asked_loads(request: Request) -> tuple[str, ...]:
 def _views(request: Request) -> Schedule:
     """The quick views; with a tilt that is asked for, as many sides and frames as in the full certificate."""
     from perfqr_cad.scan import FULL, QUICK
-    from perfqr_cad.scan.schedule import PATIENCE
 
     known = request.ground is not None or request.backing_mm is not None
     if request.scan_tilt_deg is None:
         return replace(QUICK, ground_known=known)
     tilts_deg = tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg}))
-    return replace(FULL, tilts_deg=tilts_deg, frames=PATIENCE, backgrounds=(), ground_known=known)
+    return replace(FULL, tilts_deg=tilts_deg, backgrounds=(), ground_known=known)
 
 
 def _look(request: Request) -> Look:

@@ -12,6 +12,7 @@ METALS = ("aluminium", "steel", "stainless")
 METAL_WEB = 0.5  # of the thickness: narrower webs burn away or bend, a common rule of cutting shops
 ENGRAVED_MM = 0.2  # depth of letters that a beam marks, where no depth is asked for,
 ENGRAVED_SHARE = 0.25  # or this share of a thinner sheet
+HOLE_KERFS = 1.25  # least width of a hole: the cutter runs along both sides of it
 STENCIL = "stencil"
 OVERSPRAY_MM = 0.3  # that paint creeps under the edges of a stencil held against the wall
 PAINT_MM = 0.05  # thickness of the picture that is filmed: none to speak of

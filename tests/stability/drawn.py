@@ -14,7 +14,7 @@ import segno
 from perfqr_cad import catalog
 from perfqr_cad.pipeline.kinds import Kind
 from perfqr_cad.pipeline.parameter import Parameter
-from perfqr_cad.pipeline.request import SETTINGS
+from perfqr_cad.pipeline.request import SETTINGS, SOURCES
 
 BY_FIELD = {declared.field: declared for declared in SETTINGS}
 GIVEN, RARELY = 0.15, 0.02  # shares of requests that give a setting
@@ -27,6 +27,7 @@ COSTLY = (
     "load",
     "pressure_mpa",
 )  # many parts each
+OF_OTHERS = ("contour", "which", "no_eci", "gs1_link", "method", "dxf", "dxf_bridges")  # seldom of use
 LARGE = ("text", "version", "seed", "quiet_modules")  # whose upper end makes a part of minutes
 MOST_LETTERS = 12  # behind the first: up to version 4
 TEMPLATES = ("plate",) * 30 + ("bottle", "sphere")
@@ -42,6 +43,22 @@ WRITTEN: dict[str, tuple[Any, ...]] = {
     "colour": ("white", "silver", "natural", "#e0e0f0", "grey", "pink"),
     "ground": ("black", "black", "red", "#102030", "yellow"),
     "hole_mm": (((3.0,),), ((3.0,),), ((0.0, 21.0, 2.0),), ((0.0, 0.0, 3.0),), ((2.0,), (3.0,))),
+}
+
+WRITTEN |= {
+    "url": ("https://example.com/a b", "example.com"),
+    "wifi": ("ssid=lab; password=1234 5678", "ssid=a\\;b; security=nopass", "lab"),
+    "vcard": ("name=Zoë Å; phone=+41 44 000 00 00",),
+    "event": ("title=Tea; start=2027-05-01T10:00",),
+    "geo": ("47.37,8.54", "91,0"),
+    "epc": ("name=A; iban=DE89370400440532013000; amount=1.50",),
+    "sms": ("to=+41440000000; text=hi",),
+    "tel": ("+41440000000",),
+    "email": ("to=a@example.com; subject=ä",),
+    "gs1": ("(01)09506000134352(10)AB-1", "(01)1"),
+    "gs1_link": ("https://id.gs1.org",),
+    "bytes": ("no such file",),
+    "freedom": ("none", "mask", "mask,pad", "all"),
 }
 
 # Usual sizes where the range is far wider and there is no default, in the unit of the name.
@@ -60,7 +77,15 @@ USUAL = {
 }
 
 # What a setting is of no use without; left out in some requests, which are refused then.
-NEEDED = {"caption": {"frame_mm": 12.0}, "hole_mm": {"frame_mm": 8.0}}
+LETTERS: dict[str, Any] = {"caption": "perfqr", "frame_mm": 12.0}
+NEEDED: dict[str, dict[str, Any]] = {
+    "caption": {"frame_mm": 12.0},
+    "hole_mm": {"frame_mm": 8.0},
+    "gs1_link": {"gs1": "(01)09506000134352"},
+    "gap_mm": {"backing_mm": 1.0},
+    **dict.fromkeys(("caption_height_mm", "caption_place", "caption_relief_mm", "font"), LETTERS),
+    **{key: {"load": "push=0.1"} for key in ("method", "accept_weak")},
+}
 FORGOTTEN = 0.2
 
 
@@ -111,7 +136,7 @@ def draw(seed: int, pictures: Path) -> Asked:
     settings: dict[str, Any] = {"text": _text(chance)}
     taken = {parameter.name for parameter in catalog.find(template).parameters}
     for declared in [one for one in SETTINGS if one.name in taken]:
-        share = RARELY if declared.field in (*COSTLY, "image", "text") else GIVEN
+        share = RARELY if declared.field in (*COSTLY, *SOURCES, *OF_OTHERS) else GIVEN
         if chance.random() < share:
             settings[declared.field] = _value(declared, chance, command)
     for field in sorted(NEEDED.keys() & settings.keys()):
@@ -119,8 +144,8 @@ def draw(seed: int, pictures: Path) -> Asked:
             settings = NEEDED[field] | settings
     if "image" in settings:
         settings["image"] = _picture(settings["text"], pictures / f"{seed}.png")
-        if chance.random() < 0.9:  # the rest names a text and a picture, which is refused
-            del settings["text"]
+    if settings.keys() & set(SOURCES[1:]) and chance.random() < 0.9:  # the rest names two, which is refused
+        del settings["text"]
     return Asked(seed, template, command, settings)
 
 

@@ -32,6 +32,7 @@ SKIN_MM = 0.01  # behind the front, where it is cut
 READER = "zxing-cpp"
 TRIED = "which was tried"
 _OPTION = re.compile(r"(no )?--([a-z][a-z-]*)(?:[ =]([^\s;:()|]+))?")
+_BETWEEN = re.compile(r", | or ")  # remedies of which one is enough
 _BY_OPTION = {declared.option: declared for declared in BY_FIELD.values()}
 
 
@@ -58,14 +59,18 @@ def remedies(message: str) -> list[dict[str, Any]]:
 
     >>> remedies("weak: use --bars 2 --thickness 3, which was tried")
     [{'bars': 2, 'thickness_mm': 3.0}]
+    >>> remedies("too fine: use --caption-height 2 --frame 5, no --caption or a finer nozzle")
+    [{'caption_height_mm': 2.0, 'frame_mm': 5.0}, {'caption': None}]
     """
     said, _, _ = message.partition("tried without success")
-    if TRIED in said:
-        together: dict[str, Any] = {}
-        for change in _changes(said.rpartition(": use ")[2].partition(TRIED)[0]):
-            together |= change
-        return [together] if together else []
-    return _changes(said)
+    before, _, named = said.rpartition(": use ")
+    together = [_together(_changes(one)) for one in _BETWEEN.split(named.partition(TRIED)[0])]
+    helping = [change for change in together if change]
+    return helping if TRIED in said else [*_changes(before), *helping]
+
+
+def _together(changes: list[dict[str, Any]]) -> dict[str, Any]:
+    return {name: value for change in changes for name, value in change.items()}
 
 
 def _changes(said: str) -> list[dict[str, Any]]:
@@ -83,8 +88,6 @@ def _changes(said: str) -> list[dict[str, Any]]:
                 found.append({declared.field: declared.read(value)})
             except PerfQRError:  # "--size or a finer nozzle" names no value
                 continue
-    if "no --colour and --ground" in said:
-        found.append({"colour": None, "ground": None})
     return found
 
 

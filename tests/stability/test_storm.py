@@ -80,7 +80,7 @@ def test_a_certificate_with_an_infinite_figure_is_a_fault(tmp_path: Path) -> Non
     [
         ("weak: use --bars 2 --thickness 3, which was tried", [{"bars": 2, "thickness_mm": 3.0}]),
         ("unread (--accept-unread writes it): tried without success: --size 60", [{"accept_unread": True}]),
-        ("a caption needs a frame to stand on: give --frame 8, say", [{"frame_mm": 8.0}]),
+        ("a caption needs a frame to stand on: use --frame 8 or another width", [{"frame_mm": 8.0}]),
         ("unread: use no --depth, for through-holes, which was tried", [{"depth_mm": None}]),
         ("take a larger --size or a finer nozzle", []),
     ],
@@ -90,7 +90,7 @@ def test_remedies_are_read_from_a_refusal(message: str, changes: list[dict[str, 
 
 
 def test_a_remedy_that_does_not_help_is_a_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    refusal = Outcome(2, "error: too small: give --size 40", tmp_path)
+    refusal = Outcome(2, "error: too small: use --size 40", tmp_path)
     monkeypatch.setattr(storm, "send", lambda asked, folder: refusal)
     result = run(2, tmp_path)
     assert "{'size_mm': 40.0}" in result.faults[0].what
@@ -100,7 +100,7 @@ def test_a_remedy_that_does_not_help_is_a_fault(tmp_path: Path, monkeypatch: pyt
 def test_a_remedy_that_helps_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def send(asked: Asked, folder: Path) -> Outcome:
         given = float(asked.settings.get("frame_mm", 0.0))
-        return Outcome(2, f"error: too narrow: give --frame {min(given + 1, 3):g}", tmp_path)
+        return Outcome(2, f"error: too narrow: use --frame {min(given + 1, 3):g}", tmp_path)
 
     monkeypatch.setattr(storm, "send", send)
     monkeypatch.setattr(storm, "draw", lambda seed, pictures: PLATE)

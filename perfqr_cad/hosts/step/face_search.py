@@ -29,9 +29,12 @@ FACES_SIZED = 4  # of them asked for the largest code when none takes the one th
 TURNS_DEG = (0.0, 45.0, 30.0, 60.0, 15.0, 75.0)
 
 
-def place(host: Host, wanted: PlaceRequest, size_mm: float, problem: Problem) -> Survey:
-    """The survey of the place for a code of that edge; see `PlaceSearch.place`."""
-    return FaceSearch(host.body, repr(host.name), wanted, problem, host).place(size_mm)
+def place(host: Host, wanted: PlaceRequest, size_mm: float, problem: Problem, seen: float = 1.0) -> Survey:
+    """The survey of the place for a code of that edge; see `PlaceSearch.place`.
+
+    seen   share of the edge that is surveyed: a code that is laid along the wall turns away at its sides
+    """
+    return FaceSearch(host.body, repr(host.name), wanted, problem, host, seen).place(size_mm)
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,7 @@ class FaceSearch(PlaceSearch):
     """A search on a solid: frames are those of its exact faces."""
 
     host: Host
+    seen: float = 1.0
 
     @property
     def on_surface_mm(self) -> float:
@@ -50,11 +54,11 @@ class FaceSearch(PlaceSearch):
 
     def survey_at(self, spot: Spot, size_mm: float) -> Survey | None:
         frame = self.host.frame_near(spot.face, spot.point, self.wanted.up)
-        return None if frame is None else survey(self.body, frame, size_mm)
+        return None if frame is None else survey(self.body, frame, self.seen * size_mm)
 
     def rough_surveys(self, spots: Sequence[Spot], size_mm: float) -> Sequence[Survey | None]:
         frames = [frame_at(spot.point, spot.normal, self.wanted.up) for spot in spots]
-        return coarse_surveys(self.body, frames, size_mm)
+        return coarse_surveys(self.body, frames, self.seen * size_mm)
 
     def met(self) -> Spot:
         """As `PlaceSearch.met`. Raises `DesignError` where the surface or `up` gives no frame."""
@@ -89,7 +93,7 @@ class FaceSearch(PlaceSearch):
             return chosen[1]
         few = order[:FACES_SIZED]
         centres = [frame for i in few if (frame := self._centre(i)) is not None]
-        middles = surveys(self.body, centres, size_mm)
+        middles = surveys(self.body, centres, self.seen * size_mm)
         if not middles:
             raise DesignError(f"{self.name} has no face with a middle for a code: name a point")
         nearly = [found for found in middles if found.front_problem() is None] or middles
@@ -112,11 +116,11 @@ class FaceSearch(PlaceSearch):
         over_edges: Survey | None = None
         for rough in self._promising(index, size_mm):
             depth = rough.thickness_mm + float(np.abs(rough.height_mm).max())
-            clear = not self.host.has_edges_under(rough.frame, size_mm, depth)
+            clear = not self.host.has_edges_under(rough.frame, self.seen * size_mm, depth)
             if not clear and over_edges is not None:
                 continue
             frame = self.host.frame_near(index, rough.frame.origin, rough.frame.axes[1])
-            fine = None if frame is None else survey(self.body, frame, size_mm)
+            fine = None if frame is None else survey(self.body, frame, self.seen * size_mm)
             if fine is not None and self.problem(fine) is None:
                 if clear:
                     return fine
@@ -134,7 +138,9 @@ class FaceSearch(PlaceSearch):
         few = level[: CANDIDATES // 8]
         for angle in TURNS_DEG if up is None else TURNS_DEG[:1]:
             turned = level if angle == 0 else [frame.turned(angle) for frame in few]
-            yield from (f for f in surveys(self.body, turned, size_mm, COARSE) if self.problem(f) is None)
+            yield from (
+                f for f in surveys(self.body, turned, self.seen * size_mm, COARSE) if self.problem(f) is None
+            )
 
     def _centre(self, index: int) -> Frame | None:
         """The frame nearest to the middle of a face; None where no spot has one."""
@@ -144,10 +150,12 @@ class FaceSearch(PlaceSearch):
         return next((frame for frame in found if frame is not None), None)
 
     def _from_the_middle(self, index: int) -> tuple[Array, list[Spot]]:
-        """The middle (3,) of a face's spots, and these, the nearest to it first."""
+        """The middle (3,) of a face, and spots of it, the nearest to it first."""
         spots = self.sampled(CANDIDATES, [index])
         points = np.array([spot.point for spot in spots])
-        middle = points.mean(axis=0)
+        middle = self.body.middle_of(index)
+        if middle is None:  # a face that runs all round is nowhere nearest to it: any side will do
+            middle = points.mean(axis=0)
         order = np.argsort(np.linalg.norm(points - middle, axis=1), kind="stable")
         return middle, [spots[i] for i in order.tolist()]
 

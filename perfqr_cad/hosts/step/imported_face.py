@@ -85,8 +85,8 @@ class ImportedFace:
         Raises `DesignError` with the reason and what works instead.
         """
         wanted = PlaceRequest(self.face or None, self.point, self.direction, self.up)
-        seen_mm = WRAP_SEEN * size_mm if self.wrap else size_mm
-        found = place(self.host, wanted, seen_mm, lambda survey: survey.problem(depth_mm))
+        seen = WRAP_SEEN if self.wrap else 1.0
+        found = place(self.host, wanted, size_mm, lambda survey: survey.problem(depth_mm), seen)
         placement = (
             self._wrapped(found, size_mm, depth_mm)
             if self.wrap

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder
 from OCP.gp import gp_Pnt
 
 from perfqr_cad import make
@@ -134,6 +134,24 @@ def test_the_largest_face_that_fits_is_found() -> None:
     assert placement.normal((0, 0))[0] == pytest.approx([0, 0, -1], abs=1e-9)
     with pytest.raises(DesignError, match=r"takes a code of 55 mm.*use --size 4"):
         ImportedFace.of(tray()).placement(55)
+
+
+@pytest.mark.parametrize("edge_mm", [50, 300, 1000])
+def test_a_code_lies_in_the_middle_of_a_square(edge_mm: int) -> None:
+    plate = BRepPrimAPI_MakeBox(gp_Pnt(0, 0, 0), edge_mm, edge_mm, 2).Shape()
+    for face in (None, 6):
+        at = ImportedFace.of(plate, face=face).placement(44).point(np.zeros((1, 2)))[0]
+        assert at[:2] == pytest.approx([edge_mm / 2, edge_mm / 2], abs=1e-6 * edge_mm)
+
+
+def test_a_wrapped_code_is_refused_by_its_own_size() -> None:
+    pipe = difference(BRepPrimAPI_MakeCylinder(29, 80).Shape(), BRepPrimAPI_MakeCylinder(28.4, 80).Shape())
+    target = ImportedFace.of(pipe, point=(0, -29, 40), wrap=True)
+    with pytest.raises(DesignError, match=r"a code of 64 mm does not work .*: use --size 5\d"):
+        target.placement(64)
+    with pytest.raises(DesignError, match=r"at most 50\.\d+ mm"):
+        target.placement(55)
+    target.placement(50)
 
 
 def test_refusals_name_what_works() -> None:

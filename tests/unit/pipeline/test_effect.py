@@ -37,10 +37,12 @@ OTHER: dict[str, Any] = {
     "size": 40.0,
     "caption_height": 3.0,
     "support": "clamped",
+    "process": "laser",
 }
 BESIDE: dict[str, dict[str, Any]] = {  # what lets it take part, as captions stand on a frame
     "caption": {"frame_mm": 8.0},
     "hole": {"frame_mm": 8.0},
+    "colour_change": {"backing_mm": 1.0},
 }
 # Where settings act that no layer's terms hold: the chain itself and the files.
 ELSEWHERE = {
@@ -48,7 +50,7 @@ ELSEWHERE = {
     **dict.fromkeys(("which", "level", "version", "mask"), "the symbol"),
     **dict.fromkeys(("thickness", "mirror"), "where it is carved"),
     **dict.fromkeys(("verify_solid", "require", "grade", "accept_weak", "accept_unread"), "what is checked"),
-    **dict.fromkeys(("dxf", "dxf_bridges", "svg"), "the files"),
+    **dict.fromkeys(("dxf", "dxf_bridges", "svg", "split_stl", "colour_change"), "the files"),
     "method": "how strength is sought",
 }
 NEEDING = [declared for declared in SETTINGS if any(not need.startswith(".") for need in declared.needs)]
@@ -92,9 +94,9 @@ def test_a_setting_without_what_it_needs_is_refused(declared: Parameter) -> None
 def test_a_setting_of_files_of_which_none_is_written_is_refused(declared: Parameter) -> None:
     values = {one.name: one.default for one in SETTINGS} | {declared.name: other(declared)}
     with pytest.raises(DesignError, match=rf"no effect without a \..* file: use -o part{declared.needs[0]}"):
-        require_files(SETTINGS, values, {".stl", ".json"})
-    require_files(SETTINGS, values, {".stl", declared.needs[0]})
-    require_files(SETTINGS, values | {declared.name: declared.default}, {".stl"})
+        require_files(SETTINGS, values, {".json"})
+    require_files(SETTINGS, values, {".json", declared.needs[0]})
+    require_files(SETTINGS, values | {declared.name: declared.default}, {".json"})
 
 
 @pytest.mark.parametrize("declared", SETTINGS, ids=lambda declared: declared.name)

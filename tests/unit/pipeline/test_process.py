@@ -81,9 +81,9 @@ def test_files_say_that_paths_keep_off(cut_part, tmp_path):
     assert "kerf" not in cut_part.write(tmp_path / "a.svg").remarks  # the filled picture is the part
 
 
-def test_letters_are_engraved_and_holes_as_wide_as_the_kerf(cut_part):
+def test_letters_are_engraved_and_holes_wider_than_the_kerf(cut_part):
     assert cut_part.solid.relief_mm == pytest.approx(-0.2)
-    assert cut_part.pattern.spec.gap_mm == pytest.approx(KERF_MM)
+    assert cut_part.pattern.spec.gap_mm == pytest.approx(1.25 * KERF_MM)
     assert cut_part.pattern.spec.fillet_radius_mm == pytest.approx(KERF_MM / 2)
 
 

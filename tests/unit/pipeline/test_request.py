@@ -18,6 +18,7 @@ from perfqr_cad.profile.sheets import CUTTING
 from perfqr_cad.remedy import UNITS
 from perfqr_cad.scan import FULL, QUICK
 from perfqr_cad.scan.colours import BACKGROUNDS, FILAMENTS
+from perfqr_cad.scan.grade import LETTERS
 from perfqr_cad.structure.loads import Hold
 from perfqr_cad.structure.material_table import MATERIALS
 from perfqr_cad.symbol import Level
@@ -82,6 +83,7 @@ def test_the_choices_are_those_that_the_layers_know() -> None:
     assert by_name.pop("dxf") == list(get_args(DxfVersion))
     assert by_name.pop("svg") == list(get_args(SvgVariant))
     assert by_name.pop("caption_place") == ["bottom", "top"]
+    assert by_name.pop("grade") == list(LETTERS)[:-1]
     assert tuple(CUTTING) == CUT
     assert by_name.pop("process") == ["fdm", "resin", *CUTTING]
     assert by_name == {"method": ["optimal", "paper"]}

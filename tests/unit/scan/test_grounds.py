@@ -23,7 +23,7 @@ def test_words_tell_apart_what_is_read_well_in_part_and_never():
         result(white, a=(1, 0), b=(0, 0)),
     )
     said = in_words(found, 2)
-    assert said.startswith("reads on dark; in part on grey (1 of 2); not before white: add --backing")
+    assert said.startswith("reads on dark; in part on grey (1 of 2); not before white: add a backing")
     assert found[1].read_by() == ("a",)
     assert found[1].read_by(0.0) == ("a", "b")
     assert found[2].as_dict()["reflectance"] == [1, 1, 1]
