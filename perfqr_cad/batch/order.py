@@ -11,7 +11,7 @@ from pathlib import Path
 from string import Formatter
 
 from perfqr_cad import __version__
-from perfqr_cad.batch.rows import Row
+from perfqr_cad.batch.rows import Label
 from perfqr_cad.catalog import Template
 from perfqr_cad.errors import DesignError
 from perfqr_cad.export import module_of
@@ -64,7 +64,7 @@ class Plan:
     suffixes: tuple[str, ...]
     timeout_s: float
 
-    def orders(self, rows: Sequence[Row]) -> list[Order | tuple[Row, str]]:
+    def orders(self, rows: Sequence[Label]) -> list[Order | tuple[Label, str]]:
         """An order for each row, or the row with what is wrong with it.
 
         Raises `DesignError` for columns that are no parameters and in no pattern, for patterns that name a
@@ -73,7 +73,7 @@ class Plan:
         columns = dict.fromkeys(name for row in rows for name in row.cells)
         self._check_columns(list(columns))
         width = len(str(len(rows)))
-        found: list[Order | tuple[Row, str]] = []
+        found: list[Order | tuple[Label, str]] = []
         taken: dict[str, int] = {}
         for row in rows:
             cells = {**dict.fromkeys(columns, ""), NUMBER: f"{row.number:0{width}}", **row.cells}
@@ -89,7 +89,7 @@ class Plan:
             found.append(self._order(row, name, cells))
         return found
 
-    def _order(self, row: Row, name: str, cells: Mapping[str, str]) -> Order:
+    def _order(self, row: Label, name: str, cells: Mapping[str, str]) -> Order:
         known = {parameter.name for parameter in self.template.parameters}
         own = {name: cell for name, cell in row.cells.items() if name in known}
         hidden = set(SOURCES) if own.keys() & set(SOURCES) else set[str]()

@@ -22,7 +22,7 @@ DELIMITERS = ",;\t"  # spreadsheets of many countries write semicolons
 
 
 @dataclass(frozen=True)
-class Row:
+class Label:
     """One part to be made.
 
     number  of its line's place in the table, from 1
@@ -35,7 +35,7 @@ class Row:
     fault: str | None = None
 
 
-def read_table(path: str | Path) -> list[Row]:
+def read_table(path: str | Path) -> list[Label]:
     """The rows of a CSV file, whose first line names the columns; blank lines are left out.
 
     The delimiter is the one of comma, semicolon and tab that parts the first line most often. Raises
@@ -58,11 +58,11 @@ def read_table(path: str | Path) -> list[Row]:
     return [_row(number, columns, line) for number, line in enumerate(_rows(path, lines[1:]), 1)]
 
 
-def read_lines(path: str | Path) -> list[Row]:
+def read_lines(path: str | Path) -> list[Label]:
     """A text a line; blank lines are left out."""
     lines = read_text(path, MOST_BYTES, DesignError, "a list with a text a line").splitlines()
     return [
-        Row(number, {"text": line})
+        Label(number, {"text": line})
         for number, line in enumerate(_rows(path, list(filter(str.strip, lines))), 1)
     ]
 
@@ -83,10 +83,10 @@ def _columns(path: str | Path, lines: list[list[str]]) -> list[str]:
     return columns
 
 
-def _row(number: int, columns: list[str], line: list[str]) -> Row:
+def _row(number: int, columns: list[str], line: list[str]) -> Label:
     cells = {name: cell for name, cell in zip(columns, line, strict=False) if cell}
     if len(line) > len(columns):
-        return Row(
+        return Label(
             number, cells, f"has {len(line)} cells, the first line names {len(columns)}: quote its cells"
         )
-    return Row(number, cells)
+    return Label(number, cells)

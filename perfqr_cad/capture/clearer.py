@@ -19,8 +19,9 @@ def clearer(art: Art, symbol: Symbol, share: float) -> Art:
     >>> from perfqr_cad.symbol import encode
     >>> symbol = encode("HELLO")
     >>> blank = Art("halftone", 3, np.zeros((3 * symbol.size,) * 2, bool))
-    >>> [int(clearer(blank, symbol, share).dark.sum()) // int(symbol.matrix.dark.sum()) for share in (0, 0.5,
-    1)] [0, 5, 9]
+    >>> discs = [clearer(blank, symbol, share).dark for share in (0, 0.5, 1)]
+    >>> [int(disc.sum()) // int(symbol.matrix.dark.sum()) for disc in discs]
+    [0, 5, 9]
     """
     if share <= 0:
         return art

@@ -16,8 +16,9 @@ Tone = Literal["normal", "inverted"]
 Contour = Literal["smooth", "exact"]
 CHOICES = {"style": Style, "finder": FinderStrategy, "objective": Objective, "tone": Tone, "contour": Contour}
 
-ON_TWO_SIDES = 3  # bars of a finder ring: two by both ends of one side and one on another side
-BARS = (1, 2, ON_TWO_SIDES)  # more cut the dark ring in pieces: OpenCV then finds no corners
+PAIR = 2  # bars by both ends of one side of a finder ring
+ON_TWO_SIDES = 3  # such a pair and one on another side
+BARS = (1, PAIR, ON_TWO_SIDES)  # more cut the dark ring in pieces: OpenCV then finds no corners
 LINES_PER_WEB = 2  # a web of two extrusion lines holds; one line alone tears along its seam
 GREATEST_SIZE_MM = 2000.0  # beyond any printer or cutter this package speaks to
 
@@ -35,7 +36,7 @@ class PatternSpec:
                    paper's four at 45°; `recessed` some by the corners, behind the face, and on the rings
                    that readers trace at the end of a slot that is pinched
     bars           recessed bars of a finder ring. 1; 2 by both ends of one side, or one of twice the width in
-                   a slot that is pinched; 3 on two sides, two in pinched slots on the lower left one
+                   a slot that is pinched; 3 on two sides, or two in slots that are pinched
     bar_height_mm  height of a recessed bar above the back of the part
     bar_width_mm   width of recessed bars; None: wide ones on finders, the least web on alignment patterns.
                    Less than that web, down to a nozzle line, in pinched slots alone: it is then the only

@@ -251,13 +251,12 @@ def asked_loads(request: Request) -> tuple[str, ...]:
 def _views(request: Request) -> Schedule:
     """The quick views; with a tilt that is asked for, as many sides and frames as in the full certificate."""
     from perfqr_cad.scan import FULL, QUICK
-    from perfqr_cad.scan.schedule import PATIENCE
 
     known = request.ground is not None or request.backing_mm is not None
     if request.scan_tilt_deg is None:
         return replace(QUICK, ground_known=known)
     tilts_deg = tuple(sorted({*QUICK.tilts_deg, request.scan_tilt_deg}))
-    return replace(FULL, tilts_deg=tilts_deg, frames=PATIENCE, backgrounds=(), ground_known=known)
+    return replace(FULL, tilts_deg=tilts_deg, backgrounds=(), ground_known=known)
 
 
 def _look(request: Request) -> Look:

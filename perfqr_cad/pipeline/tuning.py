@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from perfqr_cad.pipeline.source import Source
     from perfqr_cad.scan import Scene
 
-PATIENCE = 3  # frames of a view
+
 # Values tried for each setting. A lip of one or two printed layers keeps the front edge crisp; beyond 15° of
 # draft the back webs, not the walls, limit what is seen.
 DRAFTS_DEG = (0.0, 8.0, 12.0, 15.0)
@@ -73,6 +73,7 @@ def _readers(terms: Terms, drawn: Pattern, thickness_mm: float) -> tuple[int, in
     from perfqr_cad import scan
     from perfqr_cad.scan.decoding.decoders import CORE, accepted
     from perfqr_cad.scan.decoding.panel import shared
+    from perfqr_cad.scan.schedule import PATIENCE
     from perfqr_cad.symbol import payload_of
 
     views = scan.Schedule((0.0, ASIDE_DEG), (25.0, 205.0)).views()

@@ -28,23 +28,28 @@ CARD_NOTE = (
 )
 
 
-BACKING_NOTE = "what lies behind the plate in this file was taken to be of the ground's colour"
+BACKING_NOTE = "the backing in this file was taken to be of the ground's colour, as its design.json says"
+BODIES_NOTE = (
+    "all {count} bodies of this file were filmed in the part's colour: a backing in a colour of its own is "
+    "known from the design.json only"
+)
 
 
 def turned(
-    triangles: Triangles, panel: Panel, right: frozenset[bytes] | None
+    triangles: Triangles, panel: Panel, right: frozenset[bytes] | None, *, backed: bool = False
 ) -> tuple[Triangles, Triangles | None, tuple[str, ...]]:
     """The part turned so that the side with the code looks along z, a card to put behind it, and notes.
 
-    right   the payloads that count; None: any
+    right    the payloads that count; None: any
+    backed   whether bodies wholly behind the highest one are a backing of the ground's colour
 
-    A plate that lies on its back stays as it is, but for a backing, which is near ground; and so does a part
+    Every other body is part of the scene. A plate that lies on its back stays as it is, and so does a part
     that is read from no side. The side that most decoders read is taken; a card is put inside when none reads
     without.
     """
-    front = _frontmost(triangles)
+    front = _frontmost(triangles) if backed else triangles
     if place(front).flat:
-        return front, None, () if front is triangles else (BACKING_NOTE,)
+        return front, None, (BACKING_NOTE,) if front is not triangles else _bodies_note(triangles)
     for carded in (False, True):
         sides = {name: _seen_from(triangles, axes) for name, axes in SIDES.items()}
         cards = {name: _card(seen) if carded else None for name, seen in sides.items()}
@@ -54,6 +59,14 @@ def turned(
             notes = () if best == "top" else (f"the code was found on the {best}",)
             return sides[best], cards[best], (*notes, CARD_NOTE) if carded else notes
     return triangles, None, ()
+
+
+def _bodies_note(triangles: Triangles) -> tuple[str, ...]:
+    """What to say of a file with bodies one behind the other."""
+    if _frontmost(triangles) is triangles:
+        return ()
+    count = len(np.unique(triangles.vertex_components[np.asarray(triangles.faces, np.int64)]))
+    return (BODIES_NOTE.format(count=count),)
 
 
 def _frontmost(triangles: Triangles) -> Triangles:

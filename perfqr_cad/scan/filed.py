@@ -45,8 +45,9 @@ def part(
     """
     path = Path(path)
     suffix = path.suffix.lower()
+    backed = False
     if suffix == ".json":
-        path, said = _of_design(path)
+        path, said, backed = _of_design(path)
         suffix, text = path.suffix.lower(), said if text is None else text
     if suffix in MESHES:
         triangles = load_mesh(path)
@@ -57,20 +58,21 @@ def part(
     behind, notes = None, ()
     if placement is None:
         right = None if text is None else accepted(text)
-        triangles, behind, notes = turned(triangles, shared(decoders), right)
+        triangles, behind, notes = turned(triangles, shared(decoders), right, backed=backed)
     report = certify(
         triangles, placement, None, text, schedule=schedule, decoders=decoders, seed=seed, behind=behind
     )
     return replace(report, warnings=(*report.warnings, *notes))
 
 
-def _of_design(path: Path) -> tuple[Path, str | None]:
-    """The file to film and the payload, from a certificate."""
+def _of_design(path: Path) -> tuple[Path, str | None, bool]:
+    """The file to film, the payload and whether there is a backing, from a certificate."""
     certificate = read_json(path, MOST_BYTES, DesignError, "a design.json")
     try:
         names = [Path(record["path"]) for record in certificate["files"]]
         payload = certificate["payload"]
-    except (KeyError, TypeError) as error:
+        backed = (certificate.get("request") or {}).get("backing_mm") is not None
+    except (AttributeError, KeyError, TypeError) as error:
         raise DesignError(f"{path} is no certificate of a design ({error}): give a design.json") from error
     if not isinstance(payload, str | None):
         raise DesignError(f"{path} has a payload that is no text: give a design.json")
@@ -78,5 +80,5 @@ def _of_design(path: Path) -> tuple[Path, str | None]:
     for suffix in PREFERRED:
         for candidate in written:
             if candidate.suffix.lower() == suffix and candidate.is_file():
-                return candidate, payload
+                return candidate, payload, backed
     raise DesignError(f"{path} names no .stl, .3mf or .step file that exists: write one beside it")

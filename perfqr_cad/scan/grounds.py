@@ -14,6 +14,8 @@ from perfqr_cad.scan.camera.look import BLACK, RGB, Light, Look
 ROOM = Light()
 # A desk lamp beside the part, in a room that is rather dark.
 LOW_LAMP = Light(ambient=0.2, lamp=1.0, lamp_elevation_deg=35.0, lamp_distance=1.5)
+DARKEN = "add a backing, or paint what is behind it dark"
+LIGHTEN = "a dark part wants a light ground some millimetres behind it, or a thinner plate"
 GRAIN_MM = 60.0  # edge of a tile of wood
 
 
@@ -98,10 +100,11 @@ def conditions(look: Look) -> dict[str, Any]:
     }
 
 
-def in_words(results: tuple[GroundResult, ...], readers: int) -> str:
+def in_words(results: tuple[GroundResult, ...], readers: int, *, inverted: bool = False) -> str:
     """One sentence: before what the part is read, by how many, and before what it is not.
 
-    readers   how many decoders read it on its own ground
+    readers    how many decoders read it on its own ground
+    inverted   whether the part is darker than its own ground
     """
     names = {result.ground.name: len(result.read_by()) for result in results}
     well = [name for name, count in names.items() if count >= readers]
@@ -110,7 +113,8 @@ def in_words(results: tuple[GroundResult, ...], readers: int) -> str:
     said = [f"reads on {', '.join(well)}"] if well else []
     said += [f"in part on {', '.join(partly)}"] if partly else []
     if never:
-        said.append(f"not before {', '.join(never)}: add a backing, or paint what is behind it dark")
+        remedy = LIGHTEN if inverted else DARKEN
+        said.append(f"not before {', '.join(never)}: {remedy}")
     return "; ".join(said)
 
 

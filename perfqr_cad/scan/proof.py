@@ -102,13 +102,18 @@ def certify(
 
 def _warnings(look: Look, pattern: Pattern | None, panel: Panel, losses: Losses) -> tuple[str, ...]:
     """What is wrong with the colours, and what the panel lacked."""
-    inverted = pattern is not None and pattern.spec.tone == "inverted"
+    inverted = _is_inverted(pattern)
     light, dark = (look.ground, look.material) if inverted else (look.material, look.ground)
     return (
         *contrast_warning(contrast(light, dark), inverted=inverted),
         *(f"decoder {name} is left out: {reason}" for name, reason in panel.left_out.items()),
         *losses.sentences(),
     )
+
+
+def _is_inverted(pattern: Pattern | None) -> bool:
+    """Whether the material is what should be dark."""
+    return pattern is not None and pattern.spec.tone == "inverted"
 
 
 def _flat_reads(
@@ -139,7 +144,8 @@ def _likeness(
     """The flat print of the art: who reads it, and how alike part and art are."""
     quiet = QUIET_MODULES if pattern is None else pattern.quiet_modules
     edge_mm = scene.part.code.edge_mm if pattern is None else pattern.size_mm
-    on_paper = printed(art.dark, edge_mm, quiet_modules=quiet, scale=art.scale)
+    inverted = _is_inverted(pattern)
+    on_paper = printed(art.dark, edge_mm, quiet_modules=quiet, scale=art.scale, inverted=inverted)
     views = schedule.flat_views()
     read = film(on_paper, views, look, frames=schedule.patience(views), step="film the art")
     results = {
@@ -214,7 +220,7 @@ def _flat_print(scene: Scene, pattern: Pattern | None, symbol: Symbol) -> FlatPr
     dark = symbol.matrix.dark
     if pattern is None:
         return printed(dark, scene.part.code.edge_mm)
-    return printed(dark, pattern.size_mm, quiet_modules=pattern.quiet_modules)
+    return printed(dark, pattern.size_mm, quiet_modules=pattern.quiet_modules, inverted=_is_inverted(pattern))
 
 
 def _symbol_seen(picture: NDArray[np.uint8]) -> Symbol | None:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perfqr_cad.scan.camera.look import Look
+from perfqr_cad.scan.colours import contrast
 from perfqr_cad.scan.decoding.panel import Losses
 from perfqr_cad.scan.grade import SymbolGrade
 from perfqr_cad.scan.grounds import GroundResult, conditions, in_words
@@ -104,7 +105,8 @@ class ScanReport:
     @property
     def ground_words(self) -> str:
         """Before what the part is read, and before what it is not: one sentence."""
-        return in_words(self.grounds, len(self.readers))
+        inverted = contrast(self.look.material, self.look.ground) < 0
+        return in_words(self.grounds, len(self.readers), inverted=inverted)
 
     @property
     def readers(self) -> tuple[str, ...]:

@@ -68,11 +68,13 @@ class Schedule:
 
 
 # Near the code's axes, where walls hide most; the full schedule has the diagonals between them too.
-QUICK = Schedule((0.0, 20.0, 30.0), (25.0, 115.0, 205.0, 295.0), frames=2, size_px=720, grounds=GROUNDS)
+QUICK = Schedule(
+    (0.0, 20.0, 30.0), (25.0, 115.0, 205.0, 295.0), frames=PATIENCE, size_px=720, grounds=GROUNDS
+)
 FULL = Schedule(
     (0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0),
     tuple(25.0 + 45.0 * side for side in range(8)),
-    frames=2,
+    frames=PATIENCE,
     backgrounds=tuple(BACKGROUNDS),
     grounds=GROUNDS,
     ground_tilts_deg=(0.0, 20.0, 30.0),

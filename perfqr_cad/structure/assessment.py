@@ -14,7 +14,7 @@ from perfqr_cad.structure.analysis import EDGE_MODULES, MOST_UNKNOWNS, analyse, 
 from perfqr_cad.structure.case import Case
 from perfqr_cad.structure.handling.capacity import Capacity, Hand, Way, ways_of
 from perfqr_cad.structure.handling.fingertips import worst_fingertips
-from perfqr_cad.structure.handling.places import on_ring, presses_ring
+from perfqr_cad.structure.handling.places import breaks_ring, presses_ring
 from perfqr_cad.structure.mesh.seeding import MeshSize
 from perfqr_cad.structure.mesh.tile_meshes import TileMeshes
 from perfqr_cad.structure.mesh.triangle import Floats
@@ -63,7 +63,9 @@ class Assessment:
         """The same where bridges may help: they keep clear of rings."""
         if not self.answers:
             return self.field.use
-        return max((one.use for one in self.answers if not on_ring(pattern, one.stressed_at_mm)), default=0.0)
+        return max(
+            (one.use for one in self.answers if not breaks_ring(pattern, one.stressed_at_mm)), default=0.0
+        )
 
     @property
     def strong(self) -> bool:

@@ -38,8 +38,9 @@ PINCHED = 2.9  # modules from the corner that a pinch spans at least; 2.7 to 3.3
 # outer corners of the code from that; it counts modules along the last row of the upper right finder and the
 # last column of the lower left one, and takes the lesser count (computeTransformationPoints and
 # versionDefinition in qrcode.cpp). So a pinch keeps clear of corners and middles; the upper left ring may be
-# broken on its left, the upper right one at its top; the lower left one must look unbroken all around: two
-# short dark bars at one height do.
+# broken on its left, the upper right one at its top; the lower left one must look unbroken all around. Bars
+# on two sides of that one cost zxing-cpp a quarter of its reads at 6 pixels a module, and a pinch across its
+# middle costs zbar a crisp picture of the face: it has two dark bars on one side.
 OFF_MIDDLE = 2.9  # modules from the corner to where such a pinch ends
 SHORT_PINCH = 1.9  # to the middle of its bar
 WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT = 1.0, 1.2, 0.5  # modules, of bars on two sides
@@ -134,23 +135,35 @@ def paired_bars(ring: Ring, width: float, clear: float, solid: Solid) -> list[li
     ]
 
 
-def opposite_bars(ring: Ring, version: int, wide: float, web: float, slot: float) -> list[RingBar]:
-    """Bars behind the face on two sides of a finder ring, up to `wide` modules and no narrower than a web.
+def opposite_bars(ring: Ring, wide: float, web: float, slot: float) -> list[RingBar]:
+    """Bars behind the face on two sides of an upper finder ring, up to `wide` modules and no narrower than a
+    web.
 
-    slot   modules of void that a pinch leaves: nearer to the corner than that it would be on the diagonal
+    slot   modules of void that a pinch leaves
 
     See `SHORT_PINCH` for why each lies where it does.
     """
-    most = (WIDEST_OPEN, WIDEST_PINCHED, WIDEST_RIGHT)
-    bar, dark_bar, right_bar = (min(wide, max(web, modules)) for modules in most)
-    pinch = 1.0 - slot, OFF_MIDDLE
-    if is_traced(ring, version):
-        return [_short_pinch(ring, side, dark_bar, pinch) for side in ("left", "right")]
-    near_side: Side = "left" if ring.column == 0 else "top"
-    two = [_recessed(ring, near_side, far, bar, CLEAR, False) for far in (False, True)]
+    bar, right_bar = (min(wide, max(web, most)) for most in (WIDEST_OPEN, WIDEST_RIGHT))
+    side: Side = "left" if ring.column == 0 else "top"
+    two = [_recessed(ring, side, far, bar, CLEAR, False) for far in (False, True)]
     if ring.column == 0:
-        return [*two, _short_pinch(ring, "right", dark_bar, pinch)]
+        return [*two, _dark(ring, "right", False, min(wide, max(web, WIDEST_PINCHED)), slot)]
     return [*two, _recessed(ring, "right", True, right_bar, CLEAR, False)]
+
+
+def dark_pair(ring: Ring, wide: float, web: float, slot: float) -> list[RingBar]:
+    """Two bars behind the face on the left side of a finder ring, which look as dark as that; see
+    `opposite_bars`."""
+    return [_dark(ring, "left", far, min(wide, max(web, WIDEST_PINCHED)), slot) for far in (False, True)]
+
+
+def _dark(ring: Ring, side: Side, far: bool, width: float, slot: float) -> RingBar:
+    """A bar in a pinch that keeps off the diagonal, from whose corner it is as far as its slot needs."""
+    at, end = SHORT_PINCH, ring.size
+    pinch = 1.0 - slot, OFF_MIDDLE
+    if far:
+        at, pinch = end - at, (end - pinch[1], end - pinch[0])
+    return _bar(ring, side, at, _along(ring, side, *pinch), width)
 
 
 def core_bar(ring: Ring, width: float) -> RingBar:
@@ -180,11 +193,6 @@ def _recessed(ring: Ring, side: Side, far: bool, width: float, clear: float, pin
     reach, end = max(PINCHED, middle + width / 2 + clear), ring.size
     pinch = _along(ring, side, *((end - reach, end) if far else (0, reach))) if pinched else None
     return _bar(ring, side, end - middle if far else middle, pinch, width)
-
-
-def _short_pinch(ring: Ring, side: Side, width: float, pinch: tuple[float, float]) -> RingBar:
-    """A bar behind the face near the upper end of an upright side, pinched beside it only."""
-    return _bar(ring, side, SHORT_PINCH, _along(ring, side, *pinch), width)
 
 
 def _along(ring: Ring, side: Side, start: float, end: float) -> tuple[float, float]:

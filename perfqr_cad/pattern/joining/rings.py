@@ -18,6 +18,7 @@ from perfqr_cad.pattern.joining.finder import (
     RingBar,
     Solid,
     core_bar,
+    dark_pair,
     is_located,
     is_traced,
     opposite_bars,
@@ -27,7 +28,7 @@ from perfqr_cad.pattern.joining.finder import (
     ring_bars,
     rings,
 )
-from perfqr_cad.pattern.spec import ON_TWO_SIDES, PatternSpec
+from perfqr_cad.pattern.spec import ON_TWO_SIDES, PAIR, PatternSpec
 from perfqr_cad.symbol import Symbol
 
 # Modules of void that the outer bank leaves of the pinched slot, no less than the least gap. A narrower one
@@ -139,17 +140,14 @@ def _recessed(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> It
         return
     material = _material(canvas)
     wide = max(web, min(WIDE, _modules(canvas, WIDE_MM))) if spec.bar_width_mm is None else line
-    if spec.bars == ON_TWO_SIDES and located:
-        if version >= TILED:
-            for width in (min(wide, broad) for broad in ALIGNMENT):
-                yield from ([bar] for bar in recessed_bars(ring, width, clear, material, pinched=True))
-        return
     if spec.bars == ON_TWO_SIDES:
-        yield opposite_bars(ring, version, wide, web, _slot_cells(canvas, spec) / canvas.lattice.per_module)
-    if spec.bars > 1 and traced:  # in a pinched slot two bars are one: it is dark all along
+        yield from _strong(canvas, ring, version, wide, spec)
+        if located:
+            return
+    if spec.bars == PAIR and traced:  # in a pinched slot two bars are one: it is dark all along
         both = min(2 * wide, ring.size - 2 * (FLUSH + clear))
         yield from ([bar] for bar in recessed_bars(ring, both, clear, material, pinched=True))
-    elif spec.bars > 1 and not located:
+    elif spec.bars > 1 and not (traced or located):
         yield from paired_bars(ring, max(wide, web), clear, material)
     if not located:
         yield from (
@@ -159,6 +157,21 @@ def _recessed(canvas: Canvas, ring: Ring, version: int, spec: PatternSpec) -> It
         yield from ([bar] for bar in recessed_bars(ring, line, clear, material, pinched=True))
     if not traced:
         yield from ([bar] for bar in recessed_bars(ring, max(line, web), clear, material, pinched=False))
+
+
+def _strong(
+    canvas: Canvas, ring: Ring, version: int, wide: float, spec: PatternSpec
+) -> Iterator[list[RingBar]]:
+    """Sets of bars that bear more than one bar does and are read as well, the best first."""
+    web, material = _modules(canvas, spec.web_mm), _material(canvas)
+    if is_located(ring):
+        if version >= TILED:
+            for width in (min(wide, broad) for broad in ALIGNMENT):
+                yield from ([bar] for bar in recessed_bars(ring, width, CLEAR, material, pinched=True))
+    else:
+        slot = _slot_cells(canvas, spec) / canvas.lattice.per_module
+        bars = dark_pair if is_traced(ring, version) else opposite_bars
+        yield bars(ring, wide, web, slot)
 
 
 def _flush(canvas: Canvas, ring: Ring, spec: PatternSpec) -> list[RingBar]:

@@ -18,9 +18,9 @@ LEAST_PX = 720  # edge of the printed picture: finer than the camera sees it
 
 @dataclass(frozen=True)
 class FlatPrint:
-    """Ink on paper: `light` (k, k) bool with the quiet zone; bright as the material, else as the ground."""
+    """A print with its quiet zone: `material` (k, k) bool is as bright as that, all else as the ground."""
 
-    light: NDArray[np.bool_]
+    material: NDArray[np.bool_]
     edge_mm: float
 
     def prepare(self, look: Look) -> None:
@@ -36,15 +36,25 @@ class FlatPrint:
         return photo.develop(shot, look, front=look.light.on_front, seed=seed)
 
     def _stack(self) -> Stack:
-        repeat = -(-LEAST_PX // len(self.light))
-        picture = np.kron(self.light, np.ones((repeat, repeat), bool)) * np.uint8(255)
+        repeat = -(-LEAST_PX // len(self.material))
+        picture = np.kron(self.material, np.ones((repeat, repeat), bool)) * np.uint8(255)
         return Stack((picture,), np.zeros(1), self.edge_mm)
 
 
-def printed(dark: NDArray[np.bool_], edge_mm: float, *, quiet_modules: int = 4, scale: int = 1) -> FlatPrint:
+def printed(
+    dark: NDArray[np.bool_],
+    edge_mm: float,
+    *,
+    quiet_modules: int = 4,
+    scale: int = 1,
+    inverted: bool = False,
+) -> FlatPrint:
     """The print of a symbol, or of its art at `scale` samples a module; `edge_mm` with the quiet zone.
+
+    inverted   the material is what is dark, and the ground what is light
 
     >>> printed(np.ones((21, 21), bool), 29.0).photo(View(size_px=64)).shape
     (64, 64)
     """
-    return FlatPrint(np.pad(~dark, quiet_modules * scale, constant_values=True), edge_mm)
+    light = np.pad(~dark, quiet_modules * scale, constant_values=True)
+    return FlatPrint(light ^ inverted, edge_mm)

@@ -73,7 +73,15 @@ def place(
     edge = edge_mm if edge_mm is not None else float((high - low)[:2].max())
     part = FilmedPart(vertices, faces, CodeFrame(centre, axes, edge), flat=False, behind=behind)
     level = behind is None and (placement is None or placement.is_flat)
-    return replace(part, flat=level and _is_plate(part.in_frame()) and triangles.closed)
+    return replace(part, flat=level and _is_plate(part.in_frame()) and _encloses(faces))
+
+
+def _encloses(faces: NDArray[np.int64]) -> bool:
+    """Whether faces (m, 3) bound a volume: every edge is passed as often one way as the other. Bodies that
+    touch share edges, so that there may be more than two faces at one."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    count = int(faces.max()) + 1
+    return np.array_equal(np.sort(start * count + end), np.sort(end * count + start))
 
 
 def _is_plate(vertices: NDArray[np.float64]) -> bool:

@@ -24,6 +24,11 @@ def on_ring(pattern: Pattern, at_mm: tuple[float, float], reach_mm: float = 0.0)
     return any(_ring(pattern, corner) is not None for corner in corners)
 
 
+def breaks_ring(pattern: Pattern, at_mm: tuple[float, float]) -> bool:
+    """Whether a ring gives way at a place, or one of its bars, whose outer ends are beside its pattern."""
+    return on_ring(pattern, at_mm, pattern.spec.web_mm)
+
+
 def presses_ring(pattern: Pattern, at_mm: tuple[float, float]) -> bool:
     """Whether a fingertip at a place presses a ring too, whose own bars then decide."""
     return on_ring(pattern, at_mm, FINGERTIP_PAD_MM / 2)

@@ -21,7 +21,7 @@ from perfqr_cad.structure.analysis import EDGE_MODULES, prepare
 from perfqr_cad.structure.assessment import SEARCH_EDGE_MODULES, Assessment, Search, assess
 from perfqr_cad.structure.case import Case
 from perfqr_cad.structure.handling.capacity import Way
-from perfqr_cad.structure.handling.places import on_ring, presses_ring
+from perfqr_cad.structure.handling.places import breaks_ring, on_ring, presses_ring
 from perfqr_cad.structure.material_table import MATERIALS
 from perfqr_cad.structure.material_table import material as material_named
 from perfqr_cad.structure.mesh.light_region import ThinPart, thin_parts
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 Method = Literal["optimal", "paper"]
 NO_BRIDGE = "no affordable bridge is left"
 LEAST_SHARE = 0.6  # of the largest stress: loads that stress a part less are left to the next round
-MOST_CONFIRMED, MOST_CONFIRMED_IN_HAND = 40, 2  # conforming meshes in all
+MOST_CONFIRMED, MOST_CONFIRMED_IN_HAND = 40, 6  # conforming meshes in all
 MOST_FRUITLESS = 2  # conforming meshes in a row that are no better than one before
 
 
@@ -216,7 +216,9 @@ class _Stage:
     @property
     def worst_at_mm(self) -> tuple[float, float]:
         """Where that is."""
-        answers = [one for one in self.assessment.answers if not on_ring(self.pattern, one.stressed_at_mm)]
+        answers = [
+            one for one in self.assessment.answers if not breaks_ring(self.pattern, one.stressed_at_mm)
+        ]
         if not answers:
             return self.assessment.field.max_stress_at_mm
         return max(answers, key=lambda one: one.use).stressed_at_mm

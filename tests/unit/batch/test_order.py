@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from perfqr_cad import catalog
-from perfqr_cad.batch import Order, Plan, Row, suffixes
+from perfqr_cad.batch import Label, Order, Plan, suffixes
 from perfqr_cad.errors import DesignError, TemplateError
 
 
@@ -25,7 +25,7 @@ def plan(**changes: Any) -> Plan:
 
 
 def order(of: Plan, *cells: dict[str, str]) -> Order:
-    made = of.orders([Row(number, row) for number, row in enumerate(cells, 1)])[0]
+    made = of.orders([Label(number, row) for number, row in enumerate(cells, 1)])[0]
     assert isinstance(made, Order)
     return made
 
@@ -37,7 +37,7 @@ def test_a_column_is_a_setting_and_name_names_files() -> None:
 
 
 def test_rows_without_a_name_are_numbered_alike() -> None:
-    rows = [Row(number, {"text": "x"}) for number in range(1, 12)]
+    rows = [Label(number, {"text": "x"}) for number in range(1, 12)]
     names = [one.name for one in plan().orders(rows) if isinstance(one, Order)]
     assert names == [f"{number:02}" for number in range(1, 12)]
 
@@ -71,17 +71,17 @@ def test_a_rows_content_hides_the_shared_one() -> None:
 )
 def test_faults_of_the_whole(changes: dict[str, Any], rows: list[dict[str, str]], told: str) -> None:
     with pytest.raises((DesignError, TemplateError), match=told.replace("{", r"\{")):
-        plan(**changes).orders([Row(number, row) for number, row in enumerate(rows, 1)])
+        plan(**changes).orders([Label(number, row) for number, row in enumerate(rows, 1)])
 
 
 @pytest.mark.parametrize(
     "name", ["../../x", "a/b", "a\\b", "CON", "nul.txt", "com1", "a\nb", "a?", ".", " a", "a.", "x" * 121]
 )
 def test_a_name_that_is_none_is_the_rows_own_fault(name: str) -> None:
-    (fault,) = plan().orders([Row(1, {"name": name, "text": "a"})])
+    (fault,) = plan().orders([Label(1, {"name": name, "text": "a"})])
     assert not isinstance(fault, Order)
     assert fault[1].startswith("name ")
-    (sound,) = plan().orders([Row(1, {"name": "a.b-c_(1) ü", "text": "a"})])
+    (sound,) = plan().orders([Label(1, {"name": "a.b-c_(1) ü", "text": "a"})])
     assert isinstance(sound, Order)
 
 

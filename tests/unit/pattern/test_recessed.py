@@ -44,23 +44,50 @@ def traced(pattern):
     return [bar for bar in pattern.recessed if bar.start[0] < -inside and bar.start[1] < -inside]
 
 
-@pytest.mark.parametrize("version", RINGS)
-def test_finders_hang_on_two_sides_and_pinches_keep_off_corners_and_middles(version):
-    pattern = made(version)
+def feet_of(pattern, left, top):
+    """Middles of the bars of a finder, from its own, and their widths, in modules; y up."""
     n, m = pattern.symbol.size, pattern.module_mm
-    for left, top in ((0, 0), (n - 7, 0), (0, n - 7)):
-        feet = [
-            ((np.array(bar.start) + bar.end) / 2 / m + n / 2 - [left + 3.5, n - top - 3.5], bar.width_mm / m)
-            for bar in pattern.recessed
-        ]
-        held = [(foot, width) for foot, width in feet if np.abs(foot).max() < 3.5]
-        assert len(held) == (2 if top else 3)
-        assert len({tuple(np.trunc(foot / 2.5).tolist()) for foot, _ in held}) == 2  # on two sides
+    middle = [left + 3.5, n - top - 3.5]
+    feet = [
+        ((np.array(bar.start) + bar.end) / 2 / m + n / 2 - middle, bar.width_mm / m)
+        for bar in pattern.recessed
+    ]
+    return [(foot, width) for foot, width in feet if np.abs(foot).max() < 3.5]
+
+
+@pytest.mark.parametrize("version", RINGS)
+def test_upper_finders_hang_on_two_sides_and_bars_keep_off_diagonals_and_middles(version):
+    pattern = made(version)
+    for left in (0, pattern.symbol.size - 7):
+        held = feet_of(pattern, left, 0)
+        assert len(held) == 3
+        assert len({tuple(np.trunc(foot / 2.5).tolist()) for foot, _ in held}) == 2
         for foot, width in held:
             off_middle = np.abs(foot).min()
-            assert off_middle > 0.5 + width / 2  # clear of the line through the middle
-            assert off_middle < 2.5 - width / 2  # and of the diagonals
+            assert off_middle > 0.5 + width / 2
+            assert off_middle < 2.5 - width / 2
     assert_front_and_bars_are_the_region(pattern)
+
+
+@pytest.mark.parametrize("module_mm", [1.3, 1.6, 2.4])
+def test_the_traced_ring_has_two_dark_bars_on_one_side(module_mm):
+    pattern = made(size_mm=33 * module_mm)
+    held = feet_of(pattern, 0, pattern.symbol.size - 7)
+    assert [np.sign(foot).tolist() for foot, _ in held] in ([[-1, 1], [-1, -1]], [[-1, -1], [-1, 1]])
+    for foot, width in held:
+        assert width == pytest.approx(min(1.2, WIDE_MM / module_mm), abs=0.1)
+        assert 0.5 + width / 2 < abs(foot[1]) < 2.5 - width / 2
+    assert all(bar.pinched for bar in traced(pattern))
+
+
+@pytest.mark.parametrize(("version", "recessed"), [(2, 0), (7, 5)])
+def test_one_alignment_pattern_is_held_flush_and_many_as_dark_as_can_be(version, recessed):
+    pattern = made(version)
+    last = pattern.symbol.size - 7
+    finders = sum(len(feet_of(pattern, *at)) for at in ((0, 0), (last, 0), (0, last)))
+    assert len(pattern.recessed) - finders >= recessed
+    if not recessed:
+        assert len(pattern.recessed) == finders
 
 
 def test_two_sides_need_banks_on_both():

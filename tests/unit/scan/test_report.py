@@ -104,17 +104,42 @@ def test_a_plate_that_stands_is_filmed_from_its_front(folder, tmp_path):
     assert "front (-y)" in found.warnings[-1]
 
 
-def test_a_backing_in_the_file_is_near_ground(folder, tmp_path):
+def test_every_body_of_a_file_is_in_the_scene_but_for_a_backing_that_a_design_names(folder, tmp_path):
     import trimesh
 
     plate = trimesh.load(folder / "part.stl")
-    backing = trimesh.creation.box((30, 30, 1)).apply_translation([0, 0, plate.bounds[0, 2] - 0.5])
-    trimesh.util.concatenate([plate, backing]).export(tmp_path / "backed.stl")
-    found = scan.part(tmp_path / "backed.stl", schedule=ONCE, decoders=("zbar",))
-    assert found.readers == ("zbar",)
+    backing = trimesh.creation.box((31, 31, 1)).apply_translation([0, 0, plate.bounds[0, 2] - 0.5])
+    trimesh.util.concatenate([plate, backing]).export(tmp_path / "part.stl")
+    asked = {"schedule": ONCE, "decoders": ("zxing-cpp", "zbar")}
+    bare = scan.part(tmp_path / "part.stl", "perfqr", **asked)
+    assert "were filmed in the part's colour" in bare.warnings[-1]
+    certificate = {"payload": "perfqr", "files": [{"path": "part.stl"}], "request": {"backing_mm": 1.0}}
+    (tmp_path / "design.json").write_text(json.dumps(certificate))
+    found = scan.part(tmp_path / "design.json", **asked)
+    assert found.readers == ("zxing-cpp", "zbar")
     assert "ground's colour" in found.warnings[-1]
-    alone = scan.part(folder / "part.stl", schedule=ONCE, decoders=("zbar",))
+    alone = scan.part(folder / "part.stl", **asked)
     assert alone.warnings == ()
+
+
+def test_nested_and_overlapping_bodies_are_unions(folder, tmp_path):
+    """Bodies in a file may share space: what is filmed is what is printed."""
+    import trimesh
+
+    plate = trimesh.load(folder / "part.stl")
+    low = plate.bounds[0]
+    inside = trimesh.creation.box((2.0, 2.0, 0.4)).apply_translation(
+        [low[0] + 1.5, low[1] + 1.5, low[2] + 0.5]
+    )
+    across = inside.copy().apply_translation([0.7, 0.0, 0.1])
+    twice = trimesh.util.concatenate([plate, inside, across])
+    views = [scan.View(tilt, 25.0, size_px=300) for tilt in (0.0, 30.0)]
+    pictures = [
+        [scan.Scene(scan.place(Triangles(mesh.vertices, mesh.faces))).photo(view) for view in views]
+        for mesh in (plate, twice)
+    ]
+    for once, again in zip(*pictures, strict=True):
+        assert np.abs(once.astype(int) - again).mean() < 0.5
 
 
 def test_a_hollow_part_is_filmed_with_a_card_inside(folder, tmp_path):

@@ -14,7 +14,7 @@ from perfqr_cad.structure.assessment import Assessment
 from perfqr_cad.structure.handling.capacity import STRESS_MARGIN, Hand, Way
 from perfqr_cad.structure.handling.fingertips import worst_fingertips
 from perfqr_cad.structure.handling.named_loads import HANDLING, HandlingLoad
-from perfqr_cad.structure.handling.places import breaking, place
+from perfqr_cad.structure.handling.places import breaking, breaks_ring, on_ring, place
 from perfqr_cad.structure.handling.pushes import fingertip, pushes
 from perfqr_cad.structure.mesh.seeding import MeshSize
 from perfqr_cad.surface import Cylinder, Placement, Plane
@@ -144,3 +144,13 @@ def test_places_have_words() -> None:
     assert place(pattern(), (15.0, 15.0)) == "on the upper right finder ring"
     bar = next(one for one in pattern().bridges if one.stage == "function")
     assert breaking(pattern(), bar.start).startswith("at the bar of the ring")
+
+
+def test_the_outer_end_of_a_bar_counts_as_its_ring():
+    recessed = build(encode("IN THE HAND", version=1), PatternSpec(size_mm=58.0))
+    edge = recessed.symbol.size / 2 * recessed.module_mm
+    ends = [end for bar in recessed.recessed for end in (bar.start, bar.end)]
+    outer = [end for end in ends if max(abs(end[0]), abs(end[1])) >= edge - 1e-9]
+    assert not all(on_ring(recessed, end) for end in outer)
+    assert all(breaks_ring(recessed, end) for end in outer)
+    assert not breaks_ring(recessed, (0.5 * edge, -0.5 * edge))

@@ -21,7 +21,7 @@ from queue import SimpleQueue
 from perfqr_cad.batch.journal import FILE, Journal
 from perfqr_cad.batch.making import Outcome, is_whole, make_row
 from perfqr_cad.batch.order import Order, Plan
-from perfqr_cad.batch.rows import Row
+from perfqr_cad.batch.rows import Label
 from perfqr_cad.errors import DesignError
 from perfqr_cad.export.staging import staged
 
@@ -54,7 +54,7 @@ class Summary:
 
 def run(
     plan: Plan,
-    rows: Sequence[Row],
+    rows: Sequence[Label],
     *,
     jobs: int = 1,
     scheduler: str | None = None,
@@ -91,7 +91,7 @@ def run(
     return _summed_up(sorted(done, key=lambda outcome: outcome.number), plan.folder)
 
 
-def _faulty(orders: Iterable[Order | tuple[Row, str]]) -> list[tuple[Row, str]]:
+def _faulty(orders: Iterable[Order | tuple[Label, str]]) -> list[tuple[Label, str]]:
     return [one for one in orders if not isinstance(one, Order)]
 
 
