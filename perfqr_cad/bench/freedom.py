@@ -42,8 +42,9 @@ def run() -> tuple[Table, Table]:
 
 
 def _everyday() -> Table:
-    rows = [(f"{text[:30]}", *_bridges(text)) for text in EVERYDAY]
-    middle = [median(row[k] for row in rows) for k in (1, 2, 3)]
+    found = [_bridges(text) for text in EVERYDAY]
+    rows = [(f"{text[:30]!r}", *row) for text, row in zip(EVERYDAY, found, strict=True)]
+    middle = [median(counts) for counts in zip(*(row[:3] for row in found), strict=True)]
     return Table(
         f"freedom: bridges of everyday texts at {SIZE_MM:g} mm",
         ("text", "ordinary", "best mask", "ours", "ours / best mask", "versions", "codewords lost"),
@@ -88,7 +89,9 @@ def _rows(version: int, share: float) -> Iterator[tuple[object, ...]]:
     ours, left = easiest(symbol, spec)
     ratio = (process_time() - begin) / encoding_s
     masked, left_masked = easiest(symbol, spec, pads=False)
-    found = [("ordinary", symbol, joining(symbol, False, 4), None), ("best mask", masked, left_masked, None)]
+    plain = joining(symbol, False, 4)
+    found: list[tuple[str, Symbol, Joining, float | None]] = [("ordinary", symbol, plain, None)]
+    found.append(("best mask", masked, left_masked, None))
     if version <= 8:
         found.append(("random pads", *_best_of_random(masked), None))
     found.append(("ours", ours, left, ratio))

@@ -144,12 +144,17 @@ def _fitted(
         return segments, _fitting_version(segments, version, level, eci)
     from segno import consts, encoder
 
-    for last in VERSIONS_OF_WIDTH if version is None else (check_version(version),):
+    def cut(last: int) -> Any:
         parts = segmentation(text, last, fnc1)
         named = [(part, consts.MODE_MAPPING[name]) for name, part in parts]
-        segments = _marked(encoder.prepare_data(named, None, None), fnc1)
-        if version is not None or _length(segments, last, eci) <= _capacity(last, level):
-            break
+        return _marked(encoder.prepare_data(named, None, None), fnc1)
+
+    if version is None:
+        cuts = {last: cut(last) for last in VERSIONS_OF_WIDTH}
+        fits = (k for k, segments in cuts.items() if _length(segments, k, eci) <= _capacity(k, level))
+        segments = cuts[next(fits, MAX_VERSION)]
+    else:
+        segments = cut(check_version(version))
     return segments, _fitting_version(segments, version, level, eci)
 
 

@@ -23,7 +23,7 @@ from perfqr_cad.symbol.matrix import BoolArray, read_only
 from perfqr_cad.symbol.payload import payload_of
 from perfqr_cad.symbol.tables import CODEWORD_BITS
 
-Places = NDArray[np.int_]
+Places = NDArray[np.integer]
 
 
 @dataclass(frozen=True, eq=False)

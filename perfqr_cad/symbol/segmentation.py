@@ -6,7 +6,7 @@ for QR Codes" (2018).
 
 from __future__ import annotations
 
-from itertools import groupby
+from itertools import groupby, islice
 from typing import Final, Literal
 
 from perfqr_cad.symbol.payload import ALPHANUMERIC
@@ -34,10 +34,9 @@ def segmentation(text: str, version: int, fnc1: bool = False) -> tuple[tuple[Asc
     for letter in text:
         best = {mode: _extended(best, mode, heads[mode]) for mode in _modes_of(letter, fnc1)}
     modes = min(best.values(), key=lambda way: _whole(way[0]))[1]
-    pairs = zip(modes, text, strict=True)
-    return tuple(
-        (mode, "".join(letter for _, letter in run)) for mode, run in groupby(pairs, key=lambda pair: pair[0])
-    )
+    letters = iter(text)
+    runs = [(mode, len(list(run))) for mode, run in groupby(modes)]
+    return tuple((mode, "".join(islice(letters, count))) for mode, count in runs)
 
 
 def _modes_of(letter: str, fnc1: bool) -> list[AsciiMode]:
