@@ -35,7 +35,7 @@ def segmentation(text: str, version: int, fnc1: bool = False) -> tuple[tuple[Asc
         best = {mode: _extended(best, mode, heads[mode]) for mode in _modes_of(letter, fnc1)}
     modes = min(best.values(), key=lambda way: _whole(way[0]))[1]
     letters = iter(text)
-    runs = [(mode, len(list(run))) for mode, run in groupby(modes)]
+    runs: list[tuple[AsciiMode, int]] = [(mode, len(list(run))) for mode, run in groupby(modes)]
     return tuple((mode, "".join(islice(letters, count))) for mode, count in runs)
 
 
