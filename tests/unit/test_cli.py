@@ -218,8 +218,8 @@ LONG = "n" * 300
         (("-t", LONG), "no template"),
         (("-t", "/dev/zero"), "no template"),
         (("-p", LONG, "-P", "x"), "name a file of parameter sets"),
-        (("--template-timeout", "0"), "CPU seconds above 0"),
-        (("--template-timeout", "nan"), "CPU seconds above 0"),
+        (("--template-timeout", "0"), "seconds above 0"),
+        (("--template-timeout", "nan"), "seconds above 0"),
     ],
 )
 def test_options_that_cannot_be_meant(

@@ -135,7 +135,7 @@ def of(shortfall: type[WeakError | UnreadError]) -> Callable[[Request], object]:
 
 LONG = "far too much text for it"
 SHORTFALLS = [
-    provoked(of(WeakError), "use --bars 2 .*which was tried", finger_n=5.0),
+    provoked(of(WeakError), "use --bars 3 .*which was tried", finger_n=5.0),
     provoked(of(WeakError), "use --finder panel", finger_n=5.0, finder="diagonal"),
     provoked(of(UnreadError), "use no --colour and no --ground", colour="grey", ground="grey"),
     provoked(of(UnreadError), "use no --depth", depth_mm=0.8),
