@@ -6,13 +6,15 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from perfqr_cad.bounded import MIB, read_json
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry import Triangles
 from perfqr_cad.scan.camera.placing import load_mesh
 from perfqr_cad.scan.decoding.decoders import accepted
 from perfqr_cad.scan.decoding.panel import shared
-from perfqr_cad.scan.facing import turned
+from perfqr_cad.scan.facing import BACKING_NOTE, turned
 from perfqr_cad.scan.proof import certify
 from perfqr_cad.scan.report import ScanReport
 from perfqr_cad.scan.schedule import FULL, Schedule
@@ -21,6 +23,10 @@ from perfqr_cad.surface import Placement
 MESHES = (".stl", ".3mf", ".ply", ".obj", ".off")
 STEPS = (".step", ".stp")
 MOST_BYTES = 16 * MIB  # of a certificate; that of a version-40 part has 2 MB
+GUESSED_NOTE = (
+    "no decoder reads the file with all bodies in one colour: what lies behind the plate was taken to be of "
+    "the ground's colour; scan the design.json, which knows"
+)
 # Of the files beside a design.json, the first of these that exists is filmed.
 PREFERRED = (".stl", ".3mf", ".step", ".stp")
 
@@ -55,14 +61,24 @@ def part(
         triangles = mesh_step(path)
     else:
         raise DesignError(f"{path.name} is no part: give an .stl, .3mf or .step file, or a design.json")
-    behind, notes = None, ()
-    if placement is None:
+    if placement is not None:
+        return certify(triangles, placement, None, text, schedule=schedule, decoders=decoders, seed=seed)
+
+    def filmed(backed: bool) -> ScanReport:
         right = None if text is None else accepted(text)
-        triangles, behind, notes = turned(triangles, shared(decoders), right, backed=backed)
-    report = certify(
-        triangles, placement, None, text, schedule=schedule, decoders=decoders, seed=seed, behind=behind
-    )
-    return replace(report, warnings=(*report.warnings, *notes))
+        seen, behind, notes = turned(triangles, shared(decoders), right, backed=backed)
+        report = certify(
+            seen, None, None, text, schedule=schedule, decoders=decoders, seed=seed, behind=behind
+        )
+        return replace(report, warnings=(*report.warnings, *notes))
+
+    report = filmed(backed)
+    if backed or report.readers or len(np.unique(triangles.vertex_components[triangles.faces])) == 1:
+        return report
+    # Bodies of one colour show nothing: what lies behind the plate may be its ground, as a backing is.
+    report = filmed(True)
+    notes = (GUESSED_NOTE if note == BACKING_NOTE else note for note in report.warnings)
+    return replace(report, warnings=tuple(notes))
 
 
 def _of_design(path: Path) -> tuple[Path, str | None, bool]:

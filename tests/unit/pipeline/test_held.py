@@ -113,7 +113,7 @@ def test_the_remedy_is_the_first_that_works() -> None:
 
     told = advised(WeakError("weak"), Request("a", size_mm=40.0), only_thick)
     assert isinstance(told, WeakError)
-    assert f"weak: use --bars 2 --bar-height {made[-1].bar_height_mm:g} --thickness" in str(told)
+    assert f"weak: use --bars 3 --bar-height {made[-1].bar_height_mm:g} --thickness" in str(told)
     assert str(told).endswith("which was tried")
     assert made[-1].thickness_mm >= 3
 
@@ -160,7 +160,7 @@ def test_a_broken_promise_is_refused(design: Design, broken: str) -> None:
             other = make(text="HELLO 124", size_mm=40, draft_deg=0, mask=design.symbol.mask).symbol
             pattern = replace(pattern, symbol=other)
         case "web":
-            pattern = replace(pattern, spec=replace(pattern.spec, nozzle_mm=1.2))
+            pattern = replace(pattern, spec=replace(pattern.spec, nozzle_mm=0.9))
         case "pieces":
             solid = replace(solid, triangles=solid.triangles.joined(solid.triangles))
         case "boundary":

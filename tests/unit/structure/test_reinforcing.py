@@ -36,7 +36,8 @@ EDGE_MM, NOZZLE_MM = 3.0, 1.2
 
 @cache
 def pattern() -> Pattern:
-    return build(encode("REINFORCE ME", version=1, level="M"), PatternSpec(size_mm=58.0))
+    spec = PatternSpec(size_mm=58.0, bars=1, bar_width_mm=0.8)
+    return build(encode("REINFORCE ME", version=1, level="M"), spec)
 
 
 @cache
