@@ -87,7 +87,7 @@ def shell() -> Any:
 
 
 def dome() -> Any:
-    return Sphere(40, arc_size1=0) - Sphere(38.5, arc_size1=0)
+    return Sphere(40, arc_size1=0) - Sphere(38.4, arc_size1=0)
 
 
 def bottle() -> Any:

@@ -62,7 +62,7 @@ def test_it_lists_the_templates(installed: Path, tmp_path: Path) -> None:
     assert listed == sorted(path.stem.replace("_", "-") for path in (ROOT / "templates").glob("*.py"))
 
 
-@pytest.mark.parametrize("words", [("--size", "40"), ("-t", "bottle", "--size", "24", "-D", "diameter=50")])
+@pytest.mark.parametrize("words", [("--size", "40"), ("-t", "bottle", "--size", "32", "-D", "diameter=70")])
 def test_it_makes_a_part_outside_of_the_checkout(
     installed: Path, words: tuple[str, ...], tmp_path: Path
 ) -> None:
