@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ from perfqr_cad.pipeline.request import Request
 from perfqr_cad.pipeline.resolve import Terms
 
 NONE = "none"  # of the freedoms
+CASE = "case"  # changes letters of the text, so it is one on request alone
 MOST_BYTES = 2953  # of a payload: version 40-L, ISO/IEC 18004 Table 7
 
 
@@ -42,9 +44,11 @@ def source(request: Request, terms: Terms) -> Source:
     from perfqr_cad.symbol import encode
 
     data, fnc1 = message(request)
+    free = freedoms(request)
+    if CASE in free and isinstance(data, str):
+        data = in_capitals(data)
     level: Level = request.level  # pyright: ignore[reportAssignmentType]  # `encode` refuses other letters
     write = partial(encode, data, level=level, eci=not request.no_eci, fnc1=fnc1)
-    free = freedoms(request)
     choice = chosen(write, terms.drawing, version=request.version, mask=request.mask, free=free)
     return Source(choice.symbol, choice=choice)
 
@@ -70,7 +74,19 @@ def freedoms(request: Request) -> frozenset[str]:
     """What of the code may be chosen, by name."""
     from perfqr_cad.pattern.choice import FREEDOMS
 
+    known = (*FREEDOMS, CASE)
     named = frozenset(name.strip() for name in request.freedom.split(",") if name.strip())
-    if unknown := sorted(named - {*FREEDOMS, NONE}):
-        raise DesignError(f"freedom {unknown[0]!r} is unknown: use {NONE}, or some of {','.join(FREEDOMS)}")
+    if unknown := sorted(named - {*known, NONE}):
+        raise DesignError(f"freedom {unknown[0]!r} is unknown: use {NONE}, or some of {','.join(known)}")
     return named
+
+
+def in_capitals(text: str) -> str:
+    """An address with its scheme and host in capitals, which mean the same (RFC 3986 §6.2.2.1) and take 5.5
+    bits a letter instead of 8; other texts as they are.
+
+    >>> in_capitals("https://example.com/p/1"), in_capitals("see https://example.com")
+    ('HTTPS://EXAMPLE.COM/p/1', 'see https://example.com')
+    """
+    address = re.match(r"[a-z][a-z0-9+.-]*://[a-z0-9.:-]+(?=[/?#]|$)", text, re.IGNORECASE)
+    return text if address is None else address[0].upper() + text[address.end() :]

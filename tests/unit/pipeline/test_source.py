@@ -8,7 +8,7 @@ from perfqr_cad.errors import DesignError
 from perfqr_cad.pipeline.certificate import chosen_words
 from perfqr_cad.pipeline.chain import asked
 from perfqr_cad.pipeline.resolve import resolve
-from perfqr_cad.pipeline.source import Source, freedoms, source
+from perfqr_cad.pipeline.source import Source, freedoms, in_capitals, source
 from perfqr_cad.symbol import encode, payload_of
 
 TEXT = "https://example.com/p/1234567"
@@ -49,3 +49,23 @@ def test_pads_stay_unless_they_are_free(freedom: str) -> None:
 def test_unknown_freedoms_are_named() -> None:
     with pytest.raises(DesignError, match="freedom 'pads' is unknown: use none, or some of mask,"):
         found(freedom="mask,pads")
+
+
+def test_capitals_on_request_free_more_bits() -> None:
+    made = found(freedom="mask,segment,pad,version,case")
+    assert payload_of(made.symbol).text == "HTTPS://EXAMPLE.COM/p/1234567"
+    assert payload_of(made.symbol).used_bits < payload_of(found().symbol).used_bits
+
+
+@pytest.mark.parametrize(
+    ("text", "capitals"),
+    [
+        ("https://example.com", "HTTPS://EXAMPLE.COM"),
+        ("http://a.b:80?q=x", "HTTP://A.B:80?q=x"),
+        ("https://user@example.com/x", "https://user@example.com/x"),
+        ("WIFI:S:a;;", "WIFI:S:a;;"),
+        ("mailto:a@b.c", "mailto:a@b.c"),
+    ],
+)
+def test_only_scheme_and_host_become_capitals(text: str, capitals: str) -> None:
+    assert in_capitals(text) == capitals
