@@ -128,8 +128,8 @@ class Request:
     freedom: str = setting(
         "mask,segment,pad,version",
         "what of a text's code may be chosen so that it needs fewer bridges, with commas between: mask,"
-        " segment (cut in several modes), pad (bits after its end), version (the next larger one), case (scheme"
-        " and host of an address in capitals, on request); or none",
+        " segment (cut in several modes), pad (bits after its end), version (the next larger one), case"
+        " (scheme and host of an address in capitals, on request); or none",
         group="Code",
         needs=WRITTEN,
         max_length=100,
