@@ -56,7 +56,9 @@ def test_shared_photographs(path: Path) -> None:
     expected = path.with_suffix(".txt").read_bytes()
     if path.name in MODEL_1:
         begin = re.escape(expected.decode()[:16].strip())
-        with pytest.raises(CaptureError, match=f"holds no QR code but a QR code Model 1: '{begin}.*of its text"):
+        with pytest.raises(
+            CaptureError, match=f"holds no QR code but a QR code Model 1: '{begin}.*of its text"
+        ):
             read(path)
         return
     assert read(path).recovery.payload.data == expected.rstrip(b"\n")
