@@ -60,6 +60,11 @@ class Triangles:
         """(k,) number of the body that each vertex belongs to: triangles that share a vertex are one."""
         return components(self.faces[:, [0, 1, 1, 2]].reshape(-1, 2), len(self.vertices))
 
+    @property
+    def body_count(self) -> int:
+        """How many bodies there are; vertices that no triangle has are none."""
+        return len(np.unique(self.vertex_components[self.faces]))
+
     def joined(self, *others: Triangles) -> Triangles:
         """This mesh and others as one list of triangles; the bodies stay apart."""
         meshes = (self, *others)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-
 from perfqr_cad import __version__
 from perfqr_cad.export.colour_change import colour_changes
 from perfqr_cad.export.design_view import DesignView
@@ -14,7 +12,6 @@ from perfqr_cad.export.design_view import DesignView
 if TYPE_CHECKING:
     from perfqr_cad.capture import Capture
     from perfqr_cad.export import FileRecord
-    from perfqr_cad.geometry import Triangles
     from perfqr_cad.pattern.choice import Chosen
     from perfqr_cad.pipeline.promises import Promise
     from perfqr_cad.pipeline.request import Request
@@ -212,7 +209,7 @@ def _connectivity(design: Finished) -> dict[str, Any]:
     pattern = design.pattern
     return {
         "islands_before": pattern.islands_before,
-        "components": _bodies(design.solid.triangles),
+        "components": design.solid.triangles.body_count,
         "bridges": [
             {"stage": b.stage, "start_mm": list(b.start), "end_mm": list(b.end), "width_mm": b.width_mm}
             for b in pattern.bridges
@@ -223,11 +220,6 @@ def _connectivity(design: Finished) -> dict[str, Any]:
         "edits": dict(pattern.edits),
         "optimality": None if pattern.optimality is None else pattern.optimality._asdict(),
     }
-
-
-def _bodies(triangles: Triangles) -> int:
-    """Separate pieces of the part's mesh: triangles that share a vertex belong together."""
-    return len(np.unique(triangles.vertex_components[triangles.faces]))
 
 
 def _structure(design: Finished) -> dict[str, Any]:

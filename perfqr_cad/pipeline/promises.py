@@ -7,8 +7,6 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from perfqr_cad.errors import DesignError, SymbolError
 
 if TYPE_CHECKING:
@@ -99,8 +97,7 @@ def _pieces(pattern: Pattern) -> Promise:
 
 
 def _bodies(solid: Solid) -> Promise:
-    triangles = solid.triangles
-    count = len(np.unique(triangles.vertex_components[triangles.faces]))
+    count = solid.triangles.body_count
     return Promise("pieces", count, "1", count == 1)
 
 

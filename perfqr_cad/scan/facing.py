@@ -65,8 +65,7 @@ def _bodies_note(triangles: Triangles) -> tuple[str, ...]:
     """What to say of a file with bodies one behind the other."""
     if _frontmost(triangles) is triangles:
         return ()
-    count = len(np.unique(triangles.vertex_components[np.asarray(triangles.faces, np.int64)]))
-    return (BODIES_NOTE.format(count=count),)
+    return (BODIES_NOTE.format(count=triangles.body_count),)
 
 
 def _frontmost(triangles: Triangles) -> Triangles:

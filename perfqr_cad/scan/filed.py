@@ -6,8 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from perfqr_cad.bounded import MIB, read_json
 from perfqr_cad.errors import DesignError
 from perfqr_cad.geometry import Triangles
@@ -73,7 +71,7 @@ def part(
         return replace(report, warnings=(*report.warnings, *notes))
 
     report = filmed(backed)
-    if backed or report.readers or len(np.unique(triangles.vertex_components[triangles.faces])) == 1:
+    if backed or report.readers or triangles.body_count == 1:
         return report
     # Bodies of one colour show nothing: what lies behind the plate may be its ground, as a backing is.
     report = filmed(True)
